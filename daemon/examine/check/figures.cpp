@@ -90,17 +90,12 @@ Figure allan(const Record& record) {
 }
 
 Series rms_over_time(const char* name, const Record& record, double seconds) {
-  constexpr int kFirstMode = 3;
   Series series{name};
   series.style = Series::Style::solid;
   const double begin = record.frames.empty() ? 0.0 : record.frames.front().t_s;
   for (const Frame& frame : record.frames) {
     if (!frame.valid || frame.t_s - begin > seconds) continue;
-    double sum = 0.0;
-    for (std::size_t k = 0; k < frame.waves.size(); ++k) {
-      if (record.modes_j[k] >= kFirstMode) sum += frame.waves[k] * frame.waves[k];
-    }
-    series.add(frame.t_s - begin, std::sqrt(sum));
+    series.add(frame.t_s - begin, std::sqrt(square_waves(frame, record.modes_j)));
   }
   return series;
 }

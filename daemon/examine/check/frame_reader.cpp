@@ -1,8 +1,5 @@
 #include "daemon/examine/check/frame_reader.hpp"
 
-#include <cmath>
-#include <numeric>
-
 #include "core/pipeline/frame_rules.hpp"
 #include "proto/json_text.hpp"
 
@@ -27,10 +24,6 @@ Frame frame_of(const json& message) {
     frame.sigmas = sigma.get<std::vector<double>>();
   }
   return frame;
-}
-
-double root_sum_square(const std::vector<double>& values) {
-  return std::sqrt(std::inner_product(values.begin(), values.end(), values.begin(), 0.0));
 }
 
 }  // namespace
@@ -76,7 +69,7 @@ Shown FrameReader::shown(std::uint64_t hologram_id, const Wanted& wanted) {
       longest_s = passed_s + wanted.longest_s;
     }
     const bool is_exact =
-        !frame.sigmas.empty() && root_sum_square(frame.sigmas) <= wanted.most_sigma_waves;
+        !frame.sigmas.empty() && study::root_sum_square(frame.sigmas) <= wanted.most_sigma_waves;
     (is_exact ? exact : plain).push_back(std::move(frame));
     if (passed_s < wanted.least_s) continue;
     const bool waits = message->at("tracker") == "fit" && wanted.most_sigma_waves > 0.0;

@@ -35,6 +35,14 @@ double spot_px(const Measured& measured, double scale) {
          measured.sensor.at("pupil_diameter_px").get<double>();
 }
 
+/// Adds the age of what was measured, which is worth a note from `old_s` on.
+void add_age(Finding& found, const Measured& measured, const json& of,
+             double old_s = kOldMeasurementS) {
+  const double age = age_s(measured, of);
+  found.text += ", " + age_text(age);
+  if (age > old_s) found.severity = std::max(found.severity, Severity::note);
+}
+
 void raise(Finding& found, Severity verdict, const std::string& text) {
   found.severity = std::max(found.severity, verdict);
   found.text += "; " + text;
@@ -69,9 +77,8 @@ Finding judge_reference(const MeasuredFacts& facts) {
     found.severity = Severity::note;
     found.text = "the reference is that of the model, which knows no aberration of the bench";
   } else {
-    const double age = age_s(measured, reference);
-    found.text = fmt::format("{} frames, {}", reference.at("frames").get<int>(), age_text(age));
-    if (age > kOldReferenceS) found.severity = Severity::note;
+    found.text = fmt::format("{} frames", reference.at("frames").get<int>());
+    add_age(found, measured, reference, kOldReferenceS);
   }
   const json& stale = reference.at("stale");
   if (!stale.empty()) {
@@ -114,14 +121,12 @@ Finding judge_registration(const MeasuredFacts& facts) {
   }
   const double scale = registration.at("scale_px_per_cycle").get<double>();
   const double residual = registration.at("residual_px").get<double>();
-  const double age = age_s(measured, registration);
-  found.text = fmt::format(
-      "scale {:.4f} of the configuration's, rotation {:.2f}°, {}, residual {:.3f} px, {}",
-      scale / configured, registration.at("rotation_deg").get<double>(),
-      registration.at("mirrored").get<bool>() ? "mirrored" : "not mirrored", residual,
-      age_text(age));
+  found.text =
+      fmt::format("scale {:.4f} of the configuration's, rotation {:.2f}°, {}, residual {:.3f} px",
+                  scale / configured, registration.at("rotation_deg").get<double>(),
+                  registration.at("mirrored").get<bool>() ? "mirrored" : "not mirrored", residual);
   found.severity = severity_of(residual / spot, kGoodShare, kGoodShare, kBadShare);
-  if (age > kOldMeasurementS) found.severity = std::max(found.severity, Severity::note);
+  add_age(found, measured, registration);
   if (std::abs(scale / configured - 1.0) > kScale) {
     raise(found, Severity::note,
           "focal length, magnification or a pixel pitch of the configuration is not exact; the "
@@ -132,7 +137,7 @@ Finding judge_registration(const MeasuredFacts& facts) {
 }
 
 Finding judge_lut(const MeasuredFacts& facts) {
-  constexpr double kGood = 0.008, kWarning = 0.02, kBad = 0.1;
+  constexpr double kGood = 0.008, kBad = 0.1;
   const Measured& measured = facts.measured;
   Finding found;
   found.limit =
@@ -150,15 +155,11 @@ Finding judge_lut(const MeasuredFacts& facts) {
   const double depth = std::abs(known.at("depth_rad").get<double>());
   found.cost_waves = table_error_waves(lut.at("grey_levels"), known.at("phase_rad"));
   found.severity = severity_of(found.cost_waves, kGood, kGood, kBad);
-  if (found.cost_waves > kWarning) found.severity = std::max(found.severity, Severity::warning);
   found.text = fmt::format(
       "the {} table is used; its error is {:.4f} wave RMS, and the SLM's depth {:.3f} times 2 pi",
       lut.at("source").get<std::string>(), found.cost_waves,
       depth / (2.0 * std::numbers::pi) * 256.0 / 255.0);
-  if (!in_use) return found;
-  const double age = age_s(measured, lut);
-  found.text += ", " + age_text(age);
-  if (age > kOldMeasurementS) found.severity = std::max(found.severity, Severity::note);
+  if (in_use) add_age(found, measured, lut);
   return found;
 }
 
@@ -176,12 +177,11 @@ Finding judge_flatness(const MeasuredFacts& facts) {
     return found;
   }
   const double left = flatness.at("residual_rms_waves").get<double>();
-  const double age = age_s(facts.measured, flatness);
-  found.text = fmt::format("{:.4f} wave RMS are corrected, {:.4f} are left, {}",
-                           flatness.at("rms_waves").get<double>(), left, age_text(age));
+  found.text = fmt::format("{:.4f} wave RMS are corrected, {:.4f} are left",
+                           flatness.at("rms_waves").get<double>(), left);
   found.cost_waves = left;
   found.severity = severity_of(left, kGood, 5.0 * kGood, 1.0);
-  if (age > kOldMeasurementS) found.severity = std::max(found.severity, Severity::note);
+  add_age(found, facts.measured, flatness);
   return found;
 }
 

@@ -147,6 +147,8 @@ struct AllanCurve {
 };
 AllanCurve allan_of(const Record& record);
 
+/// Sum of the squares of a frame's coefficients without tilts.
+double square_waves(const Frame& frame, const std::vector<int>& modes_j);
 /// Root mean square over the valid frames of the coefficients without tilts; NaN if there is none.
 double rms_waves(const Record& record);
 

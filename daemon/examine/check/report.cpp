@@ -13,10 +13,7 @@ namespace ovws::examine {
 namespace {
 
 using nlohmann::json;
-
-json number(double value) {
-  return std::isfinite(value) ? json(value) : json();
-}
+using study::number_or_null;
 
 json text_or_null(const std::string& text) {
   return text.empty() ? json() : json(text);
@@ -29,7 +26,7 @@ json finding_json(const Finding& one) {
           {"text", one.text},
           {"limit", one.limit},
           {"fix", text_or_null(one.fix)},
-          {"cost_waves", number(one.cost_waves)},
+          {"cost_waves", number_or_null(one.cost_waves)},
           {"cause", text_or_null(one.cause)}};
 }
 
@@ -38,17 +35,17 @@ json response_json(const Response& response) {
   for (const Poke& poke : response.pokes) {
     json gains = json::array(), errors = json::array();
     for (const study::Mean& gain : poke.gain) {
-      gains.push_back(number(gain.value));
-      errors.push_back(number(gain.standard_error));
+      gains.push_back(number_or_null(gain.value));
+      errors.push_back(number_or_null(gain.standard_error));
     }
     const study::Mean slope = slope_of(poke, response.modes_j);
     modes.push_back({{"j", poke.j},
                      {"name", zernike_name(poke.j)},
                      {"read", poke.read},
-                     {"slope", number(slope.value)},
-                     {"standard_error", number(slope.standard_error)},
-                     {"crosstalk", number(crosstalk_of(poke, response.modes_j))},
-                     {"error_waves", number(error_waves(poke, response.modes_j))},
+                     {"slope", number_or_null(slope.value)},
+                     {"standard_error", number_or_null(slope.standard_error)},
+                     {"crosstalk", number_or_null(crosstalk_of(poke, response.modes_j))},
+                     {"error_waves", number_or_null(error_waves(poke, response.modes_j))},
                      {"gains", std::move(gains)},
                      {"gain_standard_errors", std::move(errors)}});
   }
@@ -60,20 +57,20 @@ json stability_json(const Record& record) {
   json modes = json::array();
   for (const ModeStability& mode : all.modes) {
     modes.push_back({{"j", mode.j},
-                     {"mean_waves", number(mode.mean)},
-                     {"noise_waves", number(mode.noise)},
-                     {"stated_waves", number(mode.stated)},
-                     {"spread_waves", number(mode.spread)},
-                     {"drift_waves", number(mode.drift)}});
+                     {"mean_waves", number_or_null(mode.mean)},
+                     {"noise_waves", number_or_null(mode.noise)},
+                     {"stated_waves", number_or_null(mode.stated)},
+                     {"spread_waves", number_or_null(mode.spread)},
+                     {"drift_waves", number_or_null(mode.drift)}});
   }
   return {{"seconds", record.seconds()},
           {"frames", record.frames.size()},
-          {"frame_rate_hz", number(all.frame_rate_hz)},
-          {"noise_waves", number(all.noise)},
-          {"stated_waves", number(all.stated)},
-          {"motion_waves", number(all.motion)},
+          {"frame_rate_hz", number_or_null(all.frame_rate_hz)},
+          {"noise_waves", number_or_null(all.noise)},
+          {"stated_waves", number_or_null(all.stated)},
+          {"motion_waves", number_or_null(all.motion)},
           {"vibration_hz", all.frequency_hz > 0.0 ? json(all.frequency_hz) : json()},
-          {"drift_waves", number(all.drift)},
+          {"drift_waves", number_or_null(all.drift)},
           {"modes", std::move(modes)}};
 }
 
@@ -90,7 +87,7 @@ json report_json(const Measured& measured, const Findings& findings) {
   for (const Finding& one : improve_first(findings)) first.push_back(one.name);
   json loop = json();
   if (!measured.loop.loop.is_null()) {
-    loop = {{"rms_waves", number(rms_waves(measured.loop.record))},
+    loop = {{"rms_waves", number_or_null(rms_waves(measured.loop.record))},
             {"step", measured.loop.loop.at("step")}};
   }
   return {{"schema", "ovws.check/1"},

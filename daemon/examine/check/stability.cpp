@@ -178,17 +178,19 @@ AllanCurve allan_of(const Record& record) {
   return curve;
 }
 
+double square_waves(const Frame& frame, const std::vector<int>& modes_j) {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < frame.waves.size(); ++k) {
+    if (modes_j[k] >= kFirstMode) sum += frame.waves[k] * frame.waves[k];
+  }
+  return sum;
+}
+
 double rms_waves(const Record& record) {
   double sum = 0.0;
-  int count = 0;
-  for (const Frame& frame : record.frames) {
-    if (!frame.valid) continue;
-    for (std::size_t k = 0; k < frame.waves.size(); ++k) {
-      if (record.modes_j[k] >= kFirstMode) sum += frame.waves[k] * frame.waves[k];
-    }
-    ++count;
-  }
-  return count > 0 ? std::sqrt(sum / count) : study::kUnknown;
+  const auto frames = valid_frames(record);
+  for (const Frame* frame : frames) sum += square_waves(*frame, record.modes_j);
+  return frames.empty() ? study::kUnknown : std::sqrt(sum / double(frames.size()));
 }
 
 }  // namespace ovws::examine

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/base/median.hpp"
 #include "daemon/shared/lost_spots.hpp"
 #include "drivers/zmq/client.hpp"
 #include "proto/json_text.hpp"
@@ -75,9 +76,7 @@ std::optional<double> median_rms_waves(std::span<const WatchedFrame> frames) {
   for (const WatchedFrame& frame : frames) {
     if (frame.rms_waves) all.push_back(*frame.rms_waves);
   }
-  if (all.empty()) return std::nullopt;
-  std::ranges::nth_element(all, all.begin() + std::ptrdiff_t(all.size() / 2));
-  return all[all.size() / 2];
+  return all.empty() ? std::nullopt : std::optional(median(std::move(all)));
 }
 
 Result<json> Bench::try_call(const std::string& method, const json& params) {

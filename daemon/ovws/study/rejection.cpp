@@ -145,12 +145,6 @@ std::vector<double> frame_noise(const ModeSeries& open, double segment_s) {
   return all;
 }
 
-double root_sum_square(std::span<const double> values) {
-  double squares = 0.0;
-  for (const double value : values) squares += value * value;
-  return std::sqrt(squares);
-}
-
 /// Noise that the laws pass on to the correction, root sum square.
 double passed_noise(std::span<const std::unique_ptr<ModeLaw>> laws,
                     std::span<const double> noise_waves, const LoopTiming& timing) {

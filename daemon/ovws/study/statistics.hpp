@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <vector>
 
 namespace ovws::study {
@@ -39,6 +40,12 @@ inline Mean root_of(const std::vector<double>& squares) {
   mean.value = std::sqrt(mean.value);
   if (mean.value > 0.0) mean.standard_error /= 2.0 * mean.value;
   return mean;
+}
+
+inline double root_sum_square(std::span<const double> values) {
+  double squares = 0.0;
+  for (const double value : values) squares += value * value;
+  return std::sqrt(squares);
 }
 
 /// A number as JSON; null if it is not finite.
