@@ -30,12 +30,8 @@ std::string listed(const cli::Common& common) {
 }  // namespace
 
 Task<void> Session::recordings() {
-  const std::function<std::string()> work = [&common = parts_.common] { return listed(common); };
-  connection_.expires_never();
-  auto reply = co_await in_pool<std::string>(callers_, connection_.socket(), work);
-  if (!reply) co_return;
-  connection_.expires_after(kSlowReader);
-  co_await answer(http::status::ok, "application/json", std::move(*reply));
+  std::function<std::string()> work = [&common = parts_.common] { return listed(common); };
+  co_await answer_from_pool("application/json", std::move(work), kSlowReader);
 }
 
 Task<std::optional<Session::Opened>> Session::open(const std::string& name) {
@@ -67,7 +63,7 @@ Task<void> Session::ticket(Request& parser, const RequestHead& head) {
   }
   connection_.expires_after(kSlowReader);
   std::string text = json_text(reply);
-  co_await answer(http::status::ok, "application/json", std::move(text));
+  co_await answer("application/json", std::move(text));
 }
 
 Task<void> Session::recording(const RequestHead& head, Right right) {

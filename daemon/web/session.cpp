@@ -122,7 +122,7 @@ Task<void> Session::serve() {
     co_await commission_action(parser, head);
   } else if (head.target == kCommissionPath) {
     std::string report = parts_.commission.report(*right);
-    co_await answer(http::status::ok, "application/json", std::move(report));
+    co_await answer("application/json", std::move(report));
   } else if (head.target == "/recordings") {
     co_await recordings();
   } else if (head.target.starts_with(kRecordingPath)) {
@@ -134,7 +134,7 @@ Task<void> Session::serve() {
   } else {
     const auto file = page_file(head.target);
     std::string text(file->text);
-    co_await answer(http::status::ok, file->type, std::move(text));
+    co_await answer(file->type, std::move(text));
   }
 }
 
@@ -145,6 +145,11 @@ Task<void> Session::answer(http::status status, std::string_view type, std::stri
   response.body() = std::move(body);
   response.prepare_payload();
   co_await http::async_write(connection_, response, net::use_awaitable);
+}
+
+Task<void> Session::answer(std::string_view type, std::string body) {
+  const auto status = body.empty() ? http::status::no_content : http::status::ok;
+  co_await answer(status, type, std::move(body));
 }
 
 Task<void> Session::refuse(Refusal why, const RequestHead& head) {
@@ -199,16 +204,16 @@ Task<void> Session::rpc(Request& parser, const RequestHead& head) {
     if (changes_bench(command)) commanded();
     return reply;
   };
-  co_await answer_from_pool("application/json", std::move(work));
+  co_await answer_from_pool("application/json", std::move(work), kWriteTimeout);
 }
 
-Task<void> Session::answer_from_pool(std::string_view type, std::function<std::string()> work) {
+Task<void> Session::answer_from_pool(std::string_view type, std::function<std::string()> work,
+                                     milliseconds patience) {
   connection_.expires_never();
   auto reply = co_await in_pool<std::string>(callers_, connection_.socket(), work);
   if (!reply) co_return;
-  connection_.expires_after(kWriteTimeout);
-  const auto status = reply->empty() ? http::status::no_content : http::status::ok;
-  co_await answer(status, type, std::move(*reply));
+  connection_.expires_after(patience);
+  co_await answer(type, std::move(*reply));
 }
 
 Task<void> Session::commission_action(Request& parser, const RequestHead& head) {
@@ -217,7 +222,7 @@ Task<void> Session::commission_action(Request& parser, const RequestHead& head) 
   auto reply = parts_.commission.act(parser.get().body());
   if (!reply) co_return co_await refuse(reply.error(), head);
   connection_.expires_after(kWriteTimeout);
-  co_await answer(http::status::ok, "application/json", std::move(*reply));
+  co_await answer("application/json", std::move(*reply));
 }
 
 Task<void> Session::commission_picture(const RequestHead& head) {
@@ -225,33 +230,24 @@ Task<void> Session::commission_picture(const RequestHead& head) {
   std::function<std::string()> work = [&desk = parts_.commission, step = std::move(step)] {
     return desk.picture(step);
   };
-  co_await answer_from_pool("image/png", std::move(work));
+  co_await answer_from_pool("image/png", std::move(work), kWriteTimeout);
 }
 
 /// Answers with a part of the newest image at full resolution, framed like a message of the stream.
 Task<void> Session::image(const RequestHead& head) {
   const auto part = parse_image_part(std::string_view(head.target).substr(kImagePath.size()));
   if (!part) co_return co_await refuse(Refusal::malformed, head);
-  auto status = http::status::no_content;
   std::string bytes;
   if (const CameraImagePtr newest = parts_.image()) {
-    if (const auto cut = image_part(*newest, *part)) {
-      status = http::status::ok;
-      bytes = framed(cut->json, cut->binary);
-    }
+    if (const auto cut = image_part(*newest, *part)) bytes = framed(cut->json, cut->binary);
   }
-  co_await answer(status, "application/octet-stream", std::move(bytes));
+  co_await answer("application/octet-stream", std::move(bytes));
 }
 
 Task<void> Session::hologram() {
   const HologramImagePtr picture = parts_.hologram();
-  auto status = http::status::no_content;
-  std::string png;
-  if (picture) {
-    status = http::status::ok;
-    png = picture->png;
-  }
-  co_await answer(status, "image/png", std::move(png));
+  std::string png = picture ? picture->png : std::string();
+  co_await answer("image/png", std::move(png));
 }
 
 }  // namespace ovws::web

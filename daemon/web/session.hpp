@@ -46,11 +46,15 @@ class Session {
   /// browser has disconnected.
   Task<bool> read_head(Request& parser);
   Task<void> answer(http::status status, std::string_view type, std::string body);
+  /// Without a body: there is no content.
+  Task<void> answer(std::string_view type, std::string body);
   Task<void> refuse(Refusal why, const RequestHead& head);
   Task<void> stream(const RequestHead& head, Right right);
   Task<void> pump(Right right);
-  /// Answers with the result of work that may block, done in a thread of the pool.
-  Task<void> answer_from_pool(std::string_view type, std::function<std::string()> work);
+  /// Answers with the result of work that may block, done in a thread of the pool. The browser may
+  /// take `patience` to receive it.
+  Task<void> answer_from_pool(std::string_view type, std::function<std::string()> work,
+                              std::chrono::milliseconds patience);
   Task<void> rpc(Request& parser, const RequestHead& head);
   Task<void> hologram();
   Task<void> commission_action(Request& parser, const RequestHead& head);
