@@ -11,8 +11,7 @@ namespace ovws::commission {
 namespace {
 
 Outcome unexpected(const std::exception& error) {
-  return failed({Errc::internal, "",
-                 std::string("a reply of the daemon has an unknown format: ") + error.what()},
+  return failed(std::string("a reply of the daemon has an unknown format: ") + error.what(),
                 "Check that ovws and ovwsd have the same version.");
 }
 

@@ -75,7 +75,7 @@ std::vector<Offer> other_cameras(const json& listed, const std::string& serial,
 
 /// The camera is there, but cannot be used with its settings.
 Outcome refused_settings(const std::string& fault, const json& settings, const Memory& memory) {
-  auto outcome = failed({Errc::refused, "", fault});
+  auto outcome = failed(fault);
   const double period_us = 1e6 / settings.at("frame_rate_hz").get<double>();
   if (settings.at("exposure_us").get<double>() > period_us && !memory.tried.contains("shorten")) {
     const double exposure_us = std::floor(kPartOfPeriod * period_us);
@@ -169,7 +169,6 @@ Reaction reaction(Bench& bench) {
 }
 
 Outcome unusable(const json& status, const json& outputs, const Memory& memory) {
-  Outcome outcome;
   const std::string fault = text_at(status, "fault") + text_at(status.at("slm"), "fault");
   std::string selected, reason;
   for (const json& output : outputs) {
@@ -177,48 +176,41 @@ Outcome unusable(const json& status, const json& outputs, const Memory& memory) 
     selected = text_at(output, "name");
     reason = text_at(output, "reason");
   }
-  outcome.verdict.severity = Severity::bad;
-  outcome.verdict.text = reason.empty() ? fault : selected + ": " + reason;
-  if (outcome.verdict.text.empty()) outcome.verdict.text = "The SLM's output is not in use.";
-  outcome.offers = other_outputs(outputs, memory);
-  if (!outcome.offers.empty()) {
-    outcome.verdict.advice = "Use " + outcome.offers.front().name.substr(4) + ".";
-    return outcome;
+  std::string text = reason.empty() ? fault : selected + ": " + reason;
+  if (text.empty()) text = "The SLM's output is not in use.";
+  auto offers = other_outputs(outputs, memory);
+  if (!offers.empty()) {
+    const std::string advice = "Use " + offers.front().name.substr(4) + ".";
+    return failed(text, advice, std::move(offers));
   }
-  outcome.verdict.advice =
-      "Connect the SLM as a second display beside the main one, not mirrored, and switch it on "
-      "with "
-      "xrandr.";
   const bool is_only = std::ranges::count(outputs, json(true), [](const json& output) {
                          return output.at("connected");
                        }) == 1;
   if (is_only && !selected.empty()) {
-    outcome.offers.push_back({"allow-primary",
-                              "use " + selected + " although it is the main display",
-                              {{"slm.set", {{"display", selected}, {"allow_primary", true}}}},
-                              {},
-                              After::rerun,
-                              false});
+    offers.push_back({"allow-primary",
+                      "use " + selected + " although it is the main display",
+                      {{"slm.set", {{"display", selected}, {"allow_primary", true}}}},
+                      {},
+                      After::rerun,
+                      false});
   }
-  return outcome;
+  return failed(text,
+                "Connect the SLM as a second display beside the main one, not mirrored, and switch "
+                "it on with xrandr.",
+                std::move(offers));
 }
 
 Outcome no_reaction(const Reaction& seen, const std::string& name, const json& outputs,
                     const Memory& memory) {
-  Outcome outcome;
+  auto outcome =
+      seen.is_dark
+          ? failed("The camera sees no light, at any exposure and whatever " + name + " shows.",
+                   "Switch on the laser, open its shutter, take off the camera's cap, and check "
+                   "that the beam reaches the SLM and the camera's region.")
+          : failed("The camera's image does not change with what " + name + " shows.",
+                   "The SLM may be another output, switched off, or not lit.",
+                   other_outputs(outputs, memory));
   outcome.picture = seen.picture;
-  outcome.offers = other_outputs(outputs, memory);
-  if (seen.is_dark) {
-    outcome.verdict = advised(
-        Severity::bad, "The camera sees no light, at any exposure and whatever " + name + " shows.",
-        "Switch on the laser, open its shutter, take off the camera's cap, and check "
-        "that the beam reaches the SLM and the camera's region.");
-    outcome.offers.clear();
-  } else {
-    outcome.verdict =
-        advised(Severity::bad, "The camera's image does not change with what " + name + " shows.",
-                "The SLM may be another output, switched off, or not lit.");
-  }
   outcome.offers.push_back({"identify",
                             "show the test image on " + name + ", to see which screen it is",
                             {{"slm.show", {{"pattern", "identify"}}}},

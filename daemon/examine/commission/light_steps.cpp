@@ -150,13 +150,12 @@ Views views(Bench& bench) {
 }
 
 Outcome no_spot(const Views& seen, const Memory& memory) {
-  Outcome outcome;
+  auto outcome =
+      failed("The base grating makes no spot in the camera's region.",
+             "Either the SLM's phase falls with the grey level, which the look-up table "
+             "repairs, or the spot is outside the region: move the region or the camera.",
+             other_first(memory, "lut", "measure the look-up table first"));
   outcome.picture = grey_of(seen.grating);
-  outcome.verdict =
-      advised(Severity::bad, "The base grating makes no spot in the camera's region.",
-              "Either the SLM's phase falls with the grey level, which the look-up table "
-              "repairs, or the spot is outside the region: move the region or the camera.");
-  outcome.offers = other_first(memory, "lut", "measure the look-up table first");
   return outcome;
 }
 

@@ -158,15 +158,13 @@ Image<std::uint8_t> graph_of_rms(const LoopRun& run) {
 Outcome no_valid_frame(Bench& bench) {
   const std::vector<int> lost = bench.lost_spots();
   if (!lost.empty()) {
-    return failed(
-        {Errc::refused, "", "no frame was valid, and these spots are lost: " + named(bench, lost)},
-        look_there());
+    return failed("no frame was valid, and these spots are lost: " + named(bench, lost),
+                  look_there());
   }
   const json invalid = bench.call("system.status").at("sensor").at("invalid");
   return failed(
-      {Errc::refused, "",
-       "no frame was valid" +
-           (invalid.is_object() ? ": " + invalid.at("reason").get<std::string>() : std::string())},
+      "no frame was valid" +
+          (invalid.is_object() ? ": " + invalid.at("reason").get<std::string>() : std::string()),
       "Look at ovws status, and take the reference again.");
 }
 
@@ -177,8 +175,7 @@ Outcome judge_loop(Bench& bench, const LoopRun& run) {
   if (run.report.at("closed") == false) {
     const json& why = run.report.at("opened_because");
     return failed(
-        {Errc::refused, "",
-         "The loop opened by itself: " + (why.is_string() ? why.get<std::string>() : "no reason")},
+        "The loop opened by itself: " + (why.is_string() ? why.get<std::string>() : "no reason"),
         "Take a new reference, and run the calibration again.");
   }
   if (!after) return no_valid_frame(bench);
@@ -187,7 +184,7 @@ Outcome judge_loop(Bench& bench, const LoopRun& run) {
       "{} steps.",
       kTestMode_waves, *before, *after, run.report.at("steps").get<int>());
   if (*after < kMuchLess * *before) return passed(figures);
-  return failed({Errc::refused, "", figures},
+  return failed(figures,
                 "Less was removed than expected: take the reference again, then the calibration.");
 }
 

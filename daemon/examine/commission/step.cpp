@@ -69,7 +69,7 @@ Outcome undone(Bench& bench, const Step& step, const Memory& memory) {
   Undo undo = memory.undo.value_or(Undo{});
   if (!memory.undo) undo = {{}, {{step.clear, json::object()}}, step.cleared};
   cli::Borrow parts(bench.settings().daemon, undo.parts, bench.restoring());
-  if (!parts.restore()) return failed({Errc::refused, "", bench.not_restored()});
+  if (!parts.restore()) return failed(bench.not_restored());
   for (const auto& [method, params] : undo.calls) {
     bench.call(method, params);
   }
@@ -90,8 +90,12 @@ std::span<const Step> steps() {
   return all;
 }
 
+Outcome failed(std::string text, std::string advice, std::vector<Offer> offers) {
+  return {false, advised(Severity::bad, std::move(text), std::move(advice)), std::move(offers)};
+}
+
 Outcome failed(const Error& error, std::string advice, std::vector<Offer> offers) {
-  return {false, advised(Severity::bad, text_of(error), std::move(advice)), std::move(offers)};
+  return failed(text_of(error), std::move(advice), std::move(offers));
 }
 
 Outcome passed(std::string text) {

@@ -94,7 +94,8 @@ std::span<const Step> steps();
 /// Why the bench needs no such step, in one sentence; empty: it needs it.
 std::string needless(const Step& step, const Look& look);
 
-/// A failed outcome with what the daemon said.
+Outcome failed(std::string text, std::string advice = {}, std::vector<Offer> offers = {});
+/// With what the daemon said.
 Outcome failed(const Error& error, std::string advice = {}, std::vector<Offer> offers = {});
 Outcome passed(std::string text);
 /// A way that first runs another step. None if it was tried before.
