@@ -68,32 +68,31 @@ inline Finding advised(Severity severity, std::string text, std::string advice) 
 }
 
 /// Who asks a question, as bits.
-enum Asker : unsigned { kDoctor = 1, kPage = 2, kCheck = 4 };
+enum Asker : unsigned { kDoctor = 1, kPage = 2, kAll = 3 };
 /// What a question needs, and does, as bits.
 enum Needs : unsigned {
   kNothing = 0,
   kDaemon = 1,   ///< a daemon that answers
   kCamera = 2,   ///< its camera in use
   kDisplay = 4,  ///< its SLM in use
-  kLight = 8,    ///< spots on the camera
-  kMoves = 16,   ///< changes what the bench shows; it is restored
-  kLater = 32    ///< a later step of the commissioning finds the same, and offers the repair
+  kLater = 8     ///< a later step of the commissioning finds the same, and offers the repair
 };
 
 /// A question about the bench, which one function judges.
 template <class Facts>
 struct Question {
   const char* name;
-  unsigned askers;
-  unsigned needs;
   Finding (*judge)(const Facts&);
+  unsigned needs = kNothing;
+  unsigned askers = kAll;
   const char* title = "";
 };
 
 /// Answers the questions of an asker in their order. `why_not`: why a question cannot be answered,
 /// by its needs; empty: it can.
 template <class Facts>
-Findings answers(std::span<const Question<Facts>> questions, const Facts& facts, unsigned asker,
+Findings answers(std::span<const Question<Facts>> questions, const Facts& facts,
+                 unsigned asker = kAll,
                  std::string (*why_not)(const Facts&, unsigned needs) = nullptr) {
   Findings found;
   for (const Question<Facts>& one : questions) {

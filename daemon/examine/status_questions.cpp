@@ -341,29 +341,28 @@ Finding judge_introduced(const DaemonFacts& facts) {
   return good("the reference contains no introduced aberration");
 }
 
-constexpr unsigned kBoth = kDoctor | kPage;
 constexpr unsigned kUsedCamera = kDaemon | kCamera;
 constexpr unsigned kDevices = kDaemon | kCamera | kDisplay;
 constexpr std::array<Question<DaemonFacts>, 19> kQuestions{{
-    {"daemon.answer", kBoth, kNothing, judge_answer},
-    {"daemon.version", kDoctor, kDaemon, judge_version},
-    {"daemon.state", kBoth, kDaemon | kLater, judge_state},
-    {"daemon.store", kDoctor, kDaemon, judge_store},
-    {"daemon.job", kDoctor, kDaemon, judge_job},
-    {"daemon.late", kPage, kDaemon, judge_late},
-    {"camera.state", kBoth, kDaemon | kLater, judge_camera},
-    {"camera.light", kBoth, kUsedCamera | kLight | kLater, judge_light},
-    {"camera.saturation", kBoth, kUsedCamera | kLight | kLater, judge_saturation},
-    {"camera.rate", kBoth, kUsedCamera, judge_rate},
-    {"camera.losses", kPage, kDaemon, judge_losses},
-    {"slm.state", kBoth, kDaemon | kLater, judge_slm},
-    {"slm.levels", kDoctor, kDaemon, judge_levels},
-    {"sensor.layout", kBoth, kDaemon, judge_layout},
-    {"sensor.frames", kPage, kDevices | kLight, judge_frames},
-    {"sensor.spots", kPage, kDevices | kLight, judge_spots},
-    {"sensor.reference", kPage, kDevices | kLight, judge_reference},
-    {"sensor.stale", kPage, kDaemon, judge_stale},
-    {"sensor.introduced", kPage, kDaemon, judge_introduced},
+    {"daemon.answer", judge_answer},
+    {"daemon.version", judge_version, kDaemon, kDoctor},
+    {"daemon.state", judge_state, kDaemon | kLater},
+    {"daemon.store", judge_store, kDaemon, kDoctor},
+    {"daemon.job", judge_job, kDaemon, kDoctor},
+    {"daemon.late", judge_late, kDaemon, kPage},
+    {"camera.state", judge_camera, kDaemon | kLater},
+    {"camera.light", judge_light, kUsedCamera | kLater},
+    {"camera.saturation", judge_saturation, kUsedCamera | kLater},
+    {"camera.rate", judge_rate, kUsedCamera},
+    {"camera.losses", judge_losses, kDaemon, kPage},
+    {"slm.state", judge_slm, kDaemon | kLater},
+    {"slm.levels", judge_levels, kDaemon, kDoctor},
+    {"sensor.layout", judge_layout, kDaemon},
+    {"sensor.frames", judge_frames, kDevices, kPage},
+    {"sensor.spots", judge_spots, kDevices, kPage},
+    {"sensor.reference", judge_reference, kDevices, kPage},
+    {"sensor.stale", judge_stale, kDaemon, kPage},
+    {"sensor.introduced", judge_introduced, kDaemon, kPage},
 }};
 
 std::string why_not(const DaemonFacts& facts, unsigned needs) {

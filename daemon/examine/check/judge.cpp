@@ -40,8 +40,7 @@ Findings answers(const Measured& measured) {
   const MeasuredFacts facts{measured, stability_of(measured.open)};
   Findings findings;
   for (const auto questions : {measurement_questions(), bench_questions()}) {
-    std::ranges::move(answers<MeasuredFacts>(questions, facts, kCheck),
-                      std::back_inserter(findings));
+    std::ranges::move(answers<MeasuredFacts>(questions, facts), std::back_inserter(findings));
   }
   assign_causes(findings);
   return findings;

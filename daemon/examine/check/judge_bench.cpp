@@ -207,11 +207,11 @@ Finding judge_calibration(const MeasuredFacts& facts) {
 }
 
 constexpr std::array<Question<MeasuredFacts>, 5> kBench{{
-    {"reference", kCheck, kDaemon | kLight, judge_reference, "Reference"},
-    {"registration", kCheck, kDaemon, judge_registration, "Registration"},
-    {"lut", kCheck, kDaemon | kLight | kMoves, judge_lut, "Look-up table of the SLM"},
-    {"flatness", kCheck, kDaemon, judge_flatness, "Flatness of the SLM"},
-    {"calibration", kCheck, kDaemon, judge_calibration, "Calibration"},
+    {"reference", judge_reference, kNothing, kAll, "Reference"},
+    {"registration", judge_registration, kNothing, kAll, "Registration"},
+    {"lut", judge_lut, kNothing, kAll, "Look-up table of the SLM"},
+    {"flatness", judge_flatness, kNothing, kAll, "Flatness of the SLM"},
+    {"calibration", judge_calibration, kNothing, kAll, "Calibration"},
 }};
 
 }  // namespace

@@ -351,19 +351,17 @@ Finding judge_losses(const MeasuredFacts& facts) {
   return found;
 }
 
-constexpr unsigned kRecords = kDaemon | kLight;
-constexpr unsigned kMeasures = kRecords | kMoves;
 constexpr std::array<Question<MeasuredFacts>, 10> kMeasurement{{
-    {"response", kCheck, kMeasures, judge_response, "Response to 0.1 wave of each mode"},
-    {"noise", kCheck, kRecords, judge_noise, "Noise of a single frame"},
-    {"motion", kCheck, kRecords, judge_motion, "Vibration and turbulence"},
-    {"drift", kCheck, kRecords, judge_drift, "Drift over the record"},
-    {"loop", kCheck, kMeasures, judge_loop, "Closed loop"},
-    {"frames", kCheck, kRecords, judge_frames, "Valid frames"},
-    {"spots", kCheck, kMeasures, judge_spots, "Lost spots"},
-    {"saturation", kCheck, kRecords, judge_saturation, "Saturation"},
-    {"settle", kCheck, kMeasures, judge_settle, "Settle time"},
-    {"losses", kCheck, kRecords, judge_losses, "Lost and late frames"},
+    {"response", judge_response, kNothing, kAll, "Response to 0.1 wave of each mode"},
+    {"noise", judge_noise, kNothing, kAll, "Noise of a single frame"},
+    {"motion", judge_motion, kNothing, kAll, "Vibration and turbulence"},
+    {"drift", judge_drift, kNothing, kAll, "Drift over the record"},
+    {"loop", judge_loop, kNothing, kAll, "Closed loop"},
+    {"frames", judge_frames, kNothing, kAll, "Valid frames"},
+    {"spots", judge_spots, kNothing, kAll, "Lost spots"},
+    {"saturation", judge_saturation, kNothing, kAll, "Saturation"},
+    {"settle", judge_settle, kNothing, kAll, "Settle time"},
+    {"losses", judge_losses, kNothing, kAll, "Lost and late frames"},
 }};
 
 }  // namespace

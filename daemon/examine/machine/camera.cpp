@@ -218,15 +218,15 @@ CameraFacts read_camera(const CameraConfig& config, DaemonsCamera daemon) {
 
 Findings answers(const CameraFacts& facts) {
   constexpr Question<CameraFacts> kQuestions[] = {
-      {"camera.found", kDoctor, kLater, judge_found},
-      {"camera.control", kDoctor, kNothing, judge_control},
-      {"camera.interface", kDoctor, kNothing, judge_interface},
-      {"camera.link", kDoctor, kNothing, judge_link},
-      {"camera.packets", kDoctor, kNothing, judge_packets},
-      {"camera.socket_buffer", kDoctor, kNothing, judge_socket_buffer},
-      {"camera.usb_memory", kDoctor, kNothing, judge_usb_memory},
+      {"camera.found", judge_found, kLater},  // by the step camera
+      {"camera.control", judge_control},
+      {"camera.interface", judge_interface},
+      {"camera.link", judge_link},
+      {"camera.packets", judge_packets},
+      {"camera.socket_buffer", judge_socket_buffer},
+      {"camera.usb_memory", judge_usb_memory},
   };
-  return answers<CameraFacts>(kQuestions, facts, kDoctor);
+  return answers<CameraFacts>(kQuestions, facts);
 }
 
 }  // namespace ovws::examine

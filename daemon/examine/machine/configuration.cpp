@@ -108,10 +108,10 @@ void judge_instead(ConfigurationFacts& facts, const Config& in_use, const std::s
 
 Findings answers(const ConfigurationFacts& facts) {
   constexpr Question<ConfigurationFacts> kQuestions[] = {
-      {"configuration", kDoctor, kNothing, judge_configuration},
-      {"optics.zeroth_order", kDoctor, kNothing, judge_zeroth_order},
+      {"configuration", judge_configuration},
+      {"optics.zeroth_order", judge_zeroth_order},
   };
-  return answers<ConfigurationFacts>(kQuestions, facts, kDoctor);
+  return answers<ConfigurationFacts>(kQuestions, facts);
 }
 
 }  // namespace ovws::examine

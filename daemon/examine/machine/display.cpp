@@ -193,15 +193,15 @@ DisplayFacts read_display(const SlmConfig& config, bool daemon_shows) {
 
 Findings answers(const DisplayFacts& facts) {
   constexpr Question<DisplayFacts> kQuestions[] = {
-      {"slm.server", kDoctor, kNothing, judge_server},
-      {"slm.output", kDoctor, kLater, judge_output},
-      {"slm.mode", kDoctor, kNothing, judge_mode},
-      {"slm.gamma", kDoctor, kNothing, judge_gamma},
-      {"slm.power", kDoctor, kNothing, judge_power},
-      {"slm.screen_saver", kDoctor, kNothing, judge_screen_saver},
-      {"slm.compositor", kDoctor, kNothing, judge_compositor},
+      {"slm.server", judge_server},
+      {"slm.output", judge_output, kLater},
+      {"slm.mode", judge_mode},
+      {"slm.gamma", judge_gamma},
+      {"slm.power", judge_power},
+      {"slm.screen_saver", judge_screen_saver},
+      {"slm.compositor", judge_compositor},
   };
-  return answers<DisplayFacts>(kQuestions, facts, kDoctor);
+  return answers<DisplayFacts>(kQuestions, facts);
 }
 
 }  // namespace ovws::examine

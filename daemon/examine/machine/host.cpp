@@ -240,15 +240,15 @@ HostFacts read_host(RealtimePolicy policy) {
 
 Findings answers(const HostFacts& facts) {
   constexpr Question<HostFacts> kQuestions[] = {
-      {"realtime.priority", kDoctor, kNothing, judge_priority},
-      {"realtime.memory", kDoctor, kNothing, judge_memory},
-      {"realtime.throttling", kDoctor, kNothing, judge_throttling},
-      {"cpu.governor", kDoctor, kNothing, judge_governor},
-      {"cpu.sleep", kDoctor, kNothing, judge_sleep},
-      {"clock.source", kDoctor, kNothing, judge_clock_source},
-      {"clock.synchronised", kDoctor, kNothing, judge_synchronised},
+      {"realtime.priority", judge_priority},
+      {"realtime.memory", judge_memory},
+      {"realtime.throttling", judge_throttling},
+      {"cpu.governor", judge_governor},
+      {"cpu.sleep", judge_sleep},
+      {"clock.source", judge_clock_source},
+      {"clock.synchronised", judge_synchronised},
   };
-  return answers<HostFacts>(kQuestions, facts, kDoctor);
+  return answers<HostFacts>(kQuestions, facts);
 }
 
 }  // namespace ovws::examine

@@ -141,10 +141,10 @@ StateFacts read_state_of_daemon(const std::optional<std::string>& folder,
 
 Findings answers(const StateFacts& facts) {
   constexpr Question<StateFacts> kQuestions[] = {
-      {"state.directory", kDoctor, kNothing, judge_folder},
-      {"state.room", kDoctor, kNothing, judge_space},
+      {"state.directory", judge_folder},
+      {"state.room", judge_space},
   };
-  return answers<StateFacts>(kQuestions, facts, kDoctor);
+  return answers<StateFacts>(kQuestions, facts);
 }
 
 }  // namespace ovws::examine
