@@ -4,6 +4,7 @@
 
 #include <memory>
 
+#include "core/port/clock.hpp"
 #include "daemon/shared/stream_follower.hpp"
 #include "daemon/web/picture.hpp"
 #include "proto/json_text.hpp"
@@ -22,12 +23,6 @@ constexpr milliseconds kPollPeriod{2000};
 constexpr milliseconds kMinPollInterval{150};  ///< minimum interval of requests after changes
 constexpr int kNumbersQueue = 1000;
 constexpr int kImagesQueue = 4;
-
-std::int64_t now_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 double seconds(std::chrono::steady_clock::duration time) {
   return std::chrono::duration<double>(time).count();
@@ -193,7 +188,7 @@ void Feeds::publish_health() {
   facts_.missed_lately = missed_.rise();
   const ServerFacts server = server_facts_();
   json health{{"schema", "ovws.web.health/1"},
-              {"t_ns", now_ns()},
+              {"t_ns", utc_ns()},
               {"findings", json::array()},
               {"browsers", server.browsers},
               {"refused", server.refused}};

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <optional>
 
 #include "core/optics/zernike.hpp"
+#include "core/port/clock.hpp"
 #include "daemon/examine/check/frame_reader.hpp"
 #include "daemon/examine/check/measured.hpp"
 #include "daemon/shared/borrow.hpp"
@@ -31,12 +31,6 @@ constexpr int kFrames = 20, kQuickFrames = 6;
 constexpr double kExactSigmas = 3.0;
 constexpr int kMostWaits = 3;      // unread modes for whose templates it waits
 constexpr double kSlowSlmS = 1.0;  // watched after the first pokes, in case that the SLM is slow
-
-std::int64_t now_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 /// Ends the check.
 struct CheckFailed {
@@ -74,7 +68,7 @@ class Run {
  private:
   void look() {
     measured_.version = OVWS_VERSION;
-    measured_.t_ns = now_ns();
+    measured_.t_ns = utc_ns();
     measured_.quick = options_.quick;
     const std::array parts{std::pair{"system.status", &measured_.status},
                            std::pair{"sensor.get", &measured_.sensor},

@@ -5,10 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <chrono>
 #include <cmath>
 #include <optional>
 #include <utility>
+
+#include "core/port/clock.hpp"
 
 namespace ovws::cli {
 namespace {
@@ -88,9 +89,7 @@ std::string time_text(double seconds) {
 }
 
 std::string age_text(std::int64_t t_ns) {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  const double age_s =
-      1e-9 * double(std::chrono::duration_cast<std::chrono::nanoseconds>(now).count() - t_ns);
+  const double age_s = 1e-9 * double(utc_ns() - t_ns);
   return age_s < 1.0 ? "just now" : time_text(std::round(age_s)) + " ago";
 }
 
