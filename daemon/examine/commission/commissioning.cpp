@@ -136,7 +136,7 @@ Result<void> Commissioning::act(std::string_view action, std::string_view name,
     return begin(&step, "skipping", [this, &step] {
       const std::lock_guard lock(mutex_);
       record(step).skipped = true;
-      record(step).offers.clear();
+      record(step).last.offers.clear();
     });
   }
   if (action == "undo") {
@@ -151,7 +151,7 @@ Result<void> Commissioning::act(std::string_view action, std::string_view name,
 
 Result<void> Commissioning::take(const Step& step, std::string_view name) {
   std::unique_lock lock(mutex_);
-  const std::vector<Offer> offers = record(step).offers;
+  const std::vector<Offer> offers = record(step).last.offers;
   lock.unlock();
   std::vector<std::string> known;
   for (const Offer& offer : offers) {
@@ -197,13 +197,11 @@ void Commissioning::keep(const Step& step, Outcome outcome) {
   Record& kept = record(step);
   kept.skipped = false;
   kept.failed = !outcome.passed;
-  kept.passed = outcome.passed;
-  kept.verdict = std::move(outcome.verdict);
-  kept.offers = std::move(outcome.offers);
-  kept.commands = std::move(outcome.commands);
-  if (outcome.picture.width == 0) return;
-  kept.picture = std::move(outcome.picture);
-  ++kept.pictures;
+  kept.is_judged = true;
+  const bool is_pictured = outcome.picture.width > 0;
+  if (is_pictured) ++kept.pictures;
+  if (!is_pictured) outcome.picture = std::move(kept.last.picture);
+  kept.last = std::move(outcome);
 }
 
 void Commissioning::run_now(const Step& step) {
@@ -260,7 +258,7 @@ void Commissioning::undo_now(const Step& step) {
   keep(step, std::move(outcome));
   if (!undone) return;
   const std::lock_guard lock(mutex_);
-  record(step).passed = false;
+  record(step).last.passed = false;
   record(step).memory = {};
 }
 
@@ -270,27 +268,27 @@ State Commissioning::state_of(const Step& step) const {
   if (kept.failed) return State::failed;
   if (!needless(step, seen_).empty()) return State::skipped;
   const auto done = seen_.empty() ? std::optional(false) : is_done(step, seen_);
-  return done.value_or(kept.passed) ? State::done : State::open;
+  return done.value_or(kept.last.passed) ? State::done : State::open;
 }
 
 bool Commissioning::can_undo(const Step& step) const {
   const Record& kept = record(step);
   const bool is_measured = !seen_.empty() && is_done(step, seen_) == true;
-  return kept.memory.undo || (step.clear != nullptr && (is_measured || kept.passed));
+  return kept.memory.undo || (step.clear != nullptr && (is_measured || kept.last.passed));
 }
 
 StepReport Commissioning::report_of(const Step& step) const {
   const Record& kept = record(step);
   StepReport report{step, state_of(step)};
-  report.is_recorded = report.state != State::open || seen_.empty() || kept.verdict.has_value() ||
+  report.is_recorded = report.state != State::open || seen_.empty() || kept.is_judged ||
                        is_done(step, seen_).has_value();
-  report.verdict = kept.verdict;
+  if (kept.is_judged) report.verdict = kept.last.verdict;
   if (const auto why = needless(step, seen_); !report.verdict && !why.empty()) {
     report.verdict = examine::note("Not needed: " + why, "");
   }
-  report.commands = kept.commands;
+  report.commands = kept.last.commands;
   report.can_undo = can_undo(step);
-  report.offers = kept.offers;
+  report.offers = kept.last.offers;
   if (kept.pictures > 0) {
     report.picture = std::string(step.name) + "-" + std::to_string(kept.pictures);
   }
@@ -308,7 +306,7 @@ Image<std::uint8_t> Commissioning::picture(std::string_view name) const {
   const auto step = step_of(name);
   if (!step) return {};
   const std::lock_guard lock(mutex_);
-  return record(**step).picture;
+  return record(**step).last.picture;
 }
 
 Result<std::string> Commissioning::picture_png(std::string_view name) const {

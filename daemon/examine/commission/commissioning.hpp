@@ -59,12 +59,9 @@ class Commissioning {
  private:
   /// What a step's last action left behind.
   struct Record {
-    bool skipped = false, failed = false, passed = false;
-    std::optional<examine::Finding> verdict;
-    std::vector<Offer> offers;
-    std::vector<std::string> commands;
-    Image<std::uint8_t> picture;
-    int pictures = 0;
+    bool skipped = false, failed = false, is_judged = false;
+    Outcome last;      ///< with the newest picture of all
+    int pictures = 0;  ///< so far
     Memory memory;
   };
 
