@@ -1,5 +1,8 @@
+#include <spdlog/fmt/chrono.h>
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <ctime>
 
@@ -35,25 +38,14 @@ svg.matrix { max-width: 36rem; print-color-adjust: exact; -webkit-print-color-ad
 @media print { body { margin: 0; max-width: none; font-size: 11px; } }
 )";
 
+constexpr std::array<std::pair<char, std::string_view>, 4> kEscapes{
+    {{'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}}};
+
 std::string escaped(std::string_view text) {
   std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
+  for (const char& c : text) {
+    const auto escape = std::ranges::find(kEscapes, c, [](const auto& one) { return one.first; });
+    out += escape == kEscapes.end() ? std::string_view(&c, 1) : escape->second;
   }
   return out;
 }
@@ -64,11 +56,7 @@ std::string badge(Severity verdict) {
 
 std::string local_time(std::int64_t t_ns) {
   const std::time_t seconds = t_ns / 1'000'000'000;
-  std::tm parts{};
-  localtime_r(&seconds, &parts);
-  std::array<char, 64> text{};
-  std::strftime(text.data(), text.size(), "%Y-%m-%d %H:%M:%S %Z", &parts);
-  return text.data();
+  return fmt::format("{:%Y-%m-%d %H:%M:%S %Z}", fmt::localtime(seconds));
 }
 
 std::string bench_lines(const Measured& measured) {
