@@ -20,13 +20,12 @@ namespace {
 
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // some editors begin UTF-8 with it
 
-/// Reads the numbers of a text file line by line, skipping lines without numbers. None if the file
-/// cannot be read. Stops at the first word that is not a finite number and copies that word to
-/// `bad`.
-std::optional<std::vector<std::vector<double>>> read_lines(const std::string& path,
-                                                           std::string& bad) {
+/// The numbers of a text file line by line, without lines that have none. Errors: the file cannot
+/// be read; a word is not a finite number.
+Result<std::vector<std::vector<double>>> lines_of(const std::string& path,
+                                                  const std::string& field) {
   std::ifstream file(path);
-  if (!file) return std::nullopt;
+  if (!file) return fail(Errc::invalid, field, "the file " + path + " cannot be read");
   std::vector<std::vector<double>> lines;
   for (std::string line; std::getline(file, line);) {
     if (lines.empty() && line.starts_with(kByteOrderMark)) line.erase(0, kByteOrderMark.size());
@@ -37,23 +36,14 @@ std::optional<std::vector<std::vector<double>>> read_lines(const std::string& pa
     for (std::string word; words >> word;) {
       const auto value = finite_number(word);
       if (!value) {
-        bad = word;
-        return lines;
+        return fail(Errc::invalid, field,
+                    fmt::format("{}: \"{}\" is not a finite number", path, word));
       }
       numbers.push_back(*value);
     }
     if (!numbers.empty()) lines.push_back(std::move(numbers));
   }
   return lines;
-}
-
-Result<std::vector<std::vector<double>>> checked_lines(const std::string& path,
-                                                       const std::string& field) {
-  std::string bad;
-  auto lines = read_lines(path, bad);
-  if (!lines) return fail(Errc::invalid, field, "the file " + path + " cannot be read");
-  if (bad.empty()) return std::move(*lines);
-  return fail(Errc::invalid, field, fmt::format("{}: \"{}\" is not a finite number", path, bad));
 }
 
 /// Checks that the LUT is monotonic except for one phase wrap. More changes of direction mean a
@@ -88,7 +78,7 @@ Result<Image<float>> waves_of(const Result<Image<std::uint16_t>>& grey, const st
 
 /// Phase map of a text file with one row of numbers (waves) per line.
 Result<Image<float>> waves_of_text(const std::string& path, const std::string& field) {
-  const auto lines = checked_lines(path, field);
+  const auto lines = lines_of(path, field);
   if (!lines) return fail(lines.error());
   const std::size_t cols = lines->empty() ? 0 : lines->front().size();
   const auto other = std::find_if(lines->begin(), lines->end(),
@@ -108,7 +98,7 @@ Result<Image<float>> waves_of_text(const std::string& path, const std::string& f
 }  // namespace
 
 Result<PhaseLut> load_lut(const std::string& path) {
-  const auto lines = checked_lines(path, "slm.lut");
+  const auto lines = lines_of(path, "slm.lut");
   if (!lines) return fail(lines.error());
   PhaseLut lut{};
   std::vector<double> numbers;
