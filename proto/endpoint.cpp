@@ -3,8 +3,9 @@
 #include <arpa/inet.h>
 
 #include <algorithm>
-#include <charconv>
 #include <string>
+
+#include "core/base/number_text.hpp"
 
 namespace ovws {
 namespace {
@@ -14,9 +15,8 @@ constexpr std::string_view kIpc = "ipc://";
 constexpr std::size_t kMaxPath = 107;  // bytes; limit of sockaddr_un
 
 bool is_port(std::string_view text) {
-  int port = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
-  return error == std::errc() && end == text.data() + text.size() && port >= 1 && port <= 65535;
+  const auto port = number_from<int>(text);
+  return port && *port >= 1 && *port <= 65535;
 }
 
 /// HOST of "tcp://HOST:PORT".

@@ -1,9 +1,7 @@
 #include "core/base/number_text.hpp"
 
 #include <array>
-#include <charconv>
 #include <cmath>
-#include <system_error>
 
 namespace ovws {
 namespace {
@@ -23,10 +21,8 @@ std::optional<double> finite_number(std::string_view text) {
     text.remove_prefix(1);
     if (text.starts_with('-')) return std::nullopt;
   }
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  const bool whole = error == std::errc() && end == text.data() + text.size();
-  return whole && std::isfinite(value) ? std::optional(value) : std::nullopt;
+  const auto value = number_from<double>(text);
+  return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
 std::string with_decimals(double value, int decimals) {

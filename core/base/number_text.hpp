@@ -2,12 +2,23 @@
 /// std::to_string of a floating-point number follow the process's locale, which libraries change.
 #pragma once
 
+#include <charconv>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 
 namespace ovws {
 
+/// The number that the whole text is. None if it is anything else, or too large. `base`: of a whole
+/// number.
+template <class T, class... Base>
+std::optional<T> number_from(std::string_view text, Base... base) {
+  T value{};
+  const char* const last = text.data() + text.size();
+  const auto [end, error] = std::from_chars(text.data(), last, value, base...);
+  return error == std::errc() && end == last ? std::optional(value) : std::nullopt;
+}
 /// The number that the whole text is, such as "-0.5", "+2" or "1e-3". None if it is anything else,
 /// or not a finite number of double precision.
 std::optional<double> finite_number(std::string_view text);

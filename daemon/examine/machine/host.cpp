@@ -8,9 +8,9 @@
 #include <spdlog/fmt/ranges.h>
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <filesystem>
 
+#include "core/base/number_text.hpp"
 #include "daemon/ovwsd/threads/thread_plan.hpp"
 
 namespace ovws::examine {
@@ -31,15 +31,6 @@ std::string_view word_behind(std::string_view text, std::string_view label) {
     return line.substr(0, line.find_first_of(" \t"));
   }
   return {};
-}
-
-std::optional<std::uint64_t> number(std::string_view word, int base) {
-  std::uint64_t value = 0;
-  const auto read = std::from_chars(word.data(), word.data() + word.size(), value, base);
-  if (word.empty() || read.ec != std::errc{} || read.ptr != word.data() + word.size()) {
-    return std::nullopt;
-  }
-  return value;
 }
 
 /// The /proc folder of the daemon that systemd runs as ovwsd.service; none: it is not running.
@@ -209,15 +200,16 @@ Finding judge_synchronised(const HostFacts& facts) {
 
 std::optional<Limits> parse_limits(std::string_view limits, std::string_view status) {
   constexpr unsigned kSysNice = 23, kIpcLock = 14;
-  constexpr int kDecimal = 10, kHexadecimal = 16;
+  constexpr int kHexadecimal = 16;
   const std::string_view priority = word_behind(limits, "Max realtime priority");
   const std::string_view locked = word_behind(limits, "Max locked memory");
-  const auto capabilities = number(word_behind(status, "CapEff:"), kHexadecimal);
+  const auto capabilities =
+      number_from<std::uint64_t>(word_behind(status, "CapEff:"), kHexadecimal);
   if (priority.empty() || locked.empty() || !capabilities) return std::nullopt;
   Limits read;
   constexpr std::uint64_t kAnyPriority = 99;
-  read.realtime_priority = number(priority, kDecimal).value_or(kAnyPriority);
-  read.locked_bytes = number(locked, kDecimal);
+  read.realtime_priority = number_from<std::uint64_t>(priority).value_or(kAnyPriority);
+  read.locked_bytes = number_from<std::uint64_t>(locked);
   read.may_any_priority = (*capabilities >> kSysNice & 1) != 0;
   read.may_lock_all = (*capabilities >> kIpcLock & 1) != 0;
   return read;

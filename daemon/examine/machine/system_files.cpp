@@ -1,9 +1,10 @@
 #include "daemon/examine/machine/machine.hpp"
 
 #include <array>
-#include <charconv>
 #include <fstream>
 #include <utility>
+
+#include "core/base/number_text.hpp"
 
 namespace ovws::examine {
 
@@ -26,11 +27,7 @@ std::optional<std::string> word_of(const std::string& path) {
 
 std::optional<std::int64_t> number_of(const std::string& path) {
   const auto word = word_of(path);
-  std::int64_t number = 0;
-  if (!word) return std::nullopt;
-  const auto read = std::from_chars(word->data(), word->data() + word->size(), number);
-  if (read.ec != std::errc{} || read.ptr != word->data() + word->size()) return std::nullopt;
-  return number;
+  return word ? number_from<std::int64_t>(*word) : std::nullopt;
 }
 
 }  // namespace ovws::examine

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <optional>
 #include <set>
 #include <sstream>
@@ -33,13 +32,6 @@ Words words_of(std::string_view name) {
   return words;
 }
 
-std::optional<int> integer_of(std::string_view text) {
-  int value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
 /// Whether the text is meant as a number: j or n,m.
 bool is_number(std::string_view text) {
   return !text.empty() && text.find_first_not_of("0123456789,-+") == std::string_view::npos;
@@ -48,13 +40,14 @@ bool is_number(std::string_view text) {
 Result<int> mode_of_number(std::string_view text) {
   const auto comma = text.find(',');
   if (comma == std::string_view::npos) {
-    const auto j = integer_of(text);
+    const auto j = number_from<int>(text);
     if (j && *j >= 0 && *j <= kMaxZernikeIndex) return *j;
     return fail(
         Errc::invalid, "modes",
         fmt::format("{} is not a mode: j is a whole number from 0 to {}", text, kMaxZernikeIndex));
   }
-  const auto n = integer_of(text.substr(0, comma)), m = integer_of(text.substr(comma + 1));
+  const auto n = number_from<int>(text.substr(0, comma)),
+             m = number_from<int>(text.substr(comma + 1));
   const auto j = n && m ? checked_osa_index(*n, *m) : std::nullopt;
   if (j) return *j;
   return fail(Errc::invalid, "modes",
