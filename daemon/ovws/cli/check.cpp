@@ -6,6 +6,7 @@
 #include "daemon/examine/check/judge.hpp"
 #include "daemon/examine/check/measure.hpp"
 #include "daemon/examine/check/report.hpp"
+#include "daemon/ovws/cli/command_line.hpp"
 #include "daemon/ovws/cli/commands.hpp"
 #include "daemon/ovws/cli/request.hpp"
 #include "daemon/ovws/study/figure.hpp"
@@ -16,6 +17,14 @@
 
 namespace ovws::cli {
 namespace {
+
+struct AcceptanceOptions {
+  std::string output;     ///< HTML file; empty: none
+  double seconds = 60.0;  ///< for noise and drift
+  bool quick = false;
+  bool open_loop = false;  ///< opens a closed loop for the check
+  bool no_loop = false;    ///< does not close the loop
+};
 
 /// Whether the report can be written, asked before minutes of measurement.
 Result<void> check_output(const std::string& path) {
@@ -39,8 +48,7 @@ void print_report(const Common& common, const examine::Measured& measured,
   if (!path.empty()) print("report: {}\n", path);
 }
 
-}  // namespace
-
+/// Measures the bench and prints the report. Returns kError if a verdict is bad.
 int check_acceptance(const Common& common, const AcceptanceOptions& options) {
   if (const auto usable = check_output(options.output); !usable) {
     return report(common, usable.error());
@@ -62,6 +70,34 @@ int check_acceptance(const Common& common, const AcceptanceOptions& options) {
   print_report(common, *measured, findings, written ? options.output : "");
   if (!written) return report(common, written.error());
   return examine::worst(findings) == examine::Severity::bad ? kError : kOk;
+}
+
+}  // namespace
+
+void add_check(CLI::App& app, const Common& common, int& status) {
+  auto [command, options] = add_command(
+      app, common, status, "check",
+      "measure how good the bench is, and say what to improve first: response to 0.1 wave of each "
+      "mode, noise, vibration, drift, settle time, look-up table, closed loop; takes about two "
+      "minutes",
+      check_acceptance);
+  command.footer(
+      "Needs a reference. Restores the aberration, the loop, its correction and the look-up "
+      "table,\n"
+      "also after Ctrl-C or an error.\n\n"
+      "Exit codes: 0 no verdict is bad; 1 one is, or the check failed; 2 the command line is\n"
+      "wrong; 3 no daemon answered in time.");
+  command.add_option("--output,-o", options.output,
+                     "write the report as one HTML file with figures, e.g. report.html");
+  command.add_option("--seconds", options.seconds, "time for noise and drift, s")
+      ->capture_default_str()
+      ->check(number_from(2.0, 3600.0));
+  command.add_flag("--quick", options.quick,
+                   "half a minute: fewer frames, at most 10 s for noise and drift, no measurement "
+                   "of the look-up table");
+  command.add_flag("--open-loop", options.open_loop,
+                   "open a closed loop, and close it again at the end");
+  command.add_flag("--no-loop", options.no_loop, "do not close the loop");
 }
 
 }  // namespace ovws::cli

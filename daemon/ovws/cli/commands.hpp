@@ -10,10 +10,15 @@
 #include <vector>
 
 #include "config/config.hpp"
+#include "daemon/examine/finding.hpp"
 #include "daemon/ovws/parts/share.hpp"
 #include "daemon/ovws/study/work.hpp"
 #include "daemon/shared/client.hpp"
 #include "proto/json_text.hpp"
+
+namespace CLI {
+class Option;
+}
 
 namespace ovws::cli {
 
@@ -36,20 +41,10 @@ bool can_show_screen();
 /// Shows the full screen of `watch` until q, Ctrl-C or the end of the terminal.
 int show_screen(Common common);
 
-/// Runs the checks of `ovws doctor`. `endpoint`: the daemon's; empty: the endpoint in the
-/// configuration.
-int check_bench(const Common& common, const std::string& config_path, const std::string& endpoint);
-
-struct AcceptanceOptions {
-  std::string output;     ///< HTML file; empty: none
-  double seconds = 60.0;  ///< for noise and drift
-  bool quick = false;
-  bool open_loop = false;  ///< opens a closed loop for the check
-  bool no_loop = false;    ///< does not close the loop
-};
-
-/// Measures the bench and prints the report of `ovws check`. Returns kError if a verdict is bad.
-int check_acceptance(const Common& common, const AcceptanceOptions& options);
+/// The checks of `ovws doctor`; takes some seconds. `endpoint`: the option --endpoint; if it is not
+/// given, the endpoint in the configuration is asked.
+examine::Findings examine_bench(const Common& common, const std::string& config_path,
+                                const CLI::Option* endpoint);
 
 struct ImageOptions {
   std::string config_path;

@@ -5,9 +5,9 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
+#include "daemon/ovws/cli/command_line.hpp"
 #include "daemon/ovws/cli/commands.hpp"
 #include "daemon/ovws/cli/request.hpp"
-#include "daemon/ovws/cli/setup.hpp"
 #include "proto/json_text.hpp"
 
 namespace ovws::cli {
@@ -16,6 +16,11 @@ namespace {
 using examine::Finding;
 using examine::Findings;
 using examine::Severity;
+
+struct DoctorOptions {
+  std::string config_path;
+  const CLI::Option* endpoint = nullptr;  ///< if it is given, this daemon is asked
+};
 
 constexpr std::array kSeverities{Severity::bad, Severity::warning, Severity::note, Severity::good,
                                  Severity::not_here};
@@ -81,19 +86,48 @@ examine::DaemonFacts ask_daemon(Common common, const std::string& endpoint) {
   return facts;
 }
 
+int diagnose(const Common& common, const DoctorOptions& options) {
+  const Findings found = examine_bench(common, options.config_path, options.endpoint);
+  common.json ? print_findings_json(found) : print_findings(found);
+  return examine::worst(found) == Severity::bad ? kError : kOk;
+}
+
 }  // namespace
 
 Findings examine_bench(const Common& common, const std::string& config_path,
-                       const std::string& endpoint) {
-  return examine::examine_all(config_path, endpoint, [&common](const std::string& where) {
-    return ask_daemon(common, where);
-  });
+                       const CLI::Option* endpoint) {
+  return examine::examine_all(
+      config_path, endpoint->count() > 0 ? common.endpoint : "",
+      [&common](const std::string& where) { return ask_daemon(common, where); });
 }
 
-int check_bench(const Common& common, const std::string& config_path, const std::string& endpoint) {
-  const Findings found = examine_bench(common, config_path, endpoint);
-  common.json ? print_findings_json(found) : print_findings(found);
-  return examine::worst(found) == Severity::bad ? kError : kOk;
+void add_doctor(CLI::App& app, const Common& common, int& status) {
+  auto [command, options] = add_command(app, common, status, "doctor",
+                                        "check this bench in a few seconds and print a fix for "
+                                        "each problem; read-only, works with or without a daemon, "
+                                        "needs no root",
+                                        diagnose);
+  command.footer(
+      "Checks the configuration, the camera and its link, the SLM's output, the state folder,\n"
+      "the real-time limits and the clock of this machine, and the daemon if one is running.\n"
+      "It judges the settings that the daemon uses, or a file; \"configuration\" says which.\n"
+      "Run it as the daemon's user, on its display:\n"
+      "  sudo -u ovws DISPLAY=:0 XAUTHORITY=/var/lib/ovws/xauthority ovws doctor\n\n"
+      "Each finding is FAULT (does not work, or measures wrongly), warning (works or may work, "
+      "but\n"
+      "worse than it could), ok, or not here (cannot be checked, with the reason). \"fix:\" is "
+      "followed\n"
+      "by a shell command or a line for the configuration file.\n"
+      "--json prints one document: {\"schema\", \"version\", \"counts\": {\"fault\", …}, "
+      "\"findings\":\n"
+      "[{\"name\", \"verdict\": \"fault\" | \"warning\" | \"ok\" | \"not_here\", \"meaning\", "
+      "\"fix\"}]}.\n\n"
+      "Exit codes: 0 no fault; 1 at least one fault; 2 the command line is wrong.");
+  command.add_option(
+      "--config,-c", options.config_path,
+      "configuration file to judge (default: the settings that the daemon on this machine uses; if "
+      "none answers, /etc/ovws/ovwsd.json; if there is none, every key's default)");
+  options.endpoint = app.get_option("--endpoint");
 }
 
 }  // namespace ovws::cli

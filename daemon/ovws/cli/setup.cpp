@@ -1,5 +1,4 @@
-#include "daemon/ovws/cli/setup.hpp"
-
+/// ovws setup: the commissioning as a conversation on a terminal.
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,6 +10,8 @@
 #include <thread>
 
 #include "daemon/examine/commission/commissioning.hpp"
+#include "daemon/ovws/cli/command_line.hpp"
+#include "daemon/ovws/cli/commands.hpp"
 #include "daemon/ovws/cli/keyboard.hpp"
 #include "daemon/ovws/cli/request.hpp"
 #include "daemon/ovws/screen/picture_text.hpp"
@@ -45,6 +46,16 @@ constexpr const char* kHelp =
     "  s      skip the step\n"
     "  u      undo the step\n"
     "  q      quit; ovws setup goes on at the first step that is not known as done\n";
+
+struct SetupOptions {
+  std::vector<std::string> steps;  ///< run these only; empty: all from the first that is not done
+  std::string from;                ///< begin with this step, even if it is done; empty: no
+  std::string folder;              ///< for the pictures as PNG files; empty: they are not written
+  std::string config_path;         ///< for the checks of this machine; empty: the service's
+  const CLI::Option* endpoint = nullptr;  ///< for the same checks, if it is given
+  bool yes = false;                       ///< no questions: take each step's proposal
+  bool list = false;                      ///< only list the steps and their states
+};
 
 std::string state_of(const StepReport& step) {
   return step.state == State::open && !step.is_recorded ? "not recorded"
@@ -380,8 +391,8 @@ Result<void> check_names(const SetupOptions& options) {
   return {};
 }
 
-}  // namespace
-
+/// Returns kOk if every step that it came to is done or skipped, also if the user quits then;
+/// kError if one has failed; kNoDaemon if no daemon answers.
 int set_up(const Common& common, const SetupOptions& options) {
   if (const auto good = check_names(options); !good) return report_mistake(common, good.error());
   const bool has_questions = !options.yes && !options.list;
@@ -390,6 +401,34 @@ int set_up(const Common& common, const SetupOptions& options) {
         common, {Errc::invalid, "setup", "asks questions: run it on a terminal, or with --yes"});
   }
   return Conversation(common, options).run();
+}
+
+}  // namespace
+
+void add_setup(CLI::App& app, const Common& common, int& status) {
+  auto [command, options] = add_command(
+      app, common, status, "setup",
+      "commission the bench step by step, from the first check to a closed loop, by questions on "
+      "the terminal; begins at the first step that is not known as done",
+      set_up);
+  command.footer(
+      "Each step says what it found and what to do. Keys: Enter runs the step, goes on, or takes\n"
+      "the proposal of a step that has failed; s skips, u undoes, r repeats, a number takes an\n"
+      "offer, q quits, ? shows help. Nothing is lost by quitting: results are in use on the\n"
+      "daemon at once, and the last step saves the settings.\n\n"
+      "Exit codes: 0 no step has failed; 1 a step has failed; 2 the command line is wrong; 3 no\n"
+      "daemon answered in time.");
+  command.add_option("steps", options.steps, "names of steps to run (default: all)");
+  command.add_option("--from", options.from, "name of the step to begin with, done or not");
+  command.add_flag("--yes,-y", options.yes,
+                   "no questions: run every step that is not done, and take the proposals of "
+                   "those that fail");
+  command.add_flag("--list", options.list, "list the steps and their states only");
+  command.add_option("--output,-o", options.folder, "folder for the steps' pictures as PNG files");
+  command.add_option("--config,-c", options.config_path,
+                     "configuration file for the checks of this machine (default: the settings "
+                     "that the daemon uses)");
+  options.endpoint = app.get_option("--endpoint");
 }
 
 }  // namespace ovws::cli

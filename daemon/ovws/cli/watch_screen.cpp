@@ -23,7 +23,7 @@ namespace ovws::cli {
 namespace {
 
 using nlohmann::json;
-using screen::Clock;
+using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kPeriod{50};  ///< from one drawing to the next
 constexpr double kMissingDaemonTimeoutS = 0.3;    ///< longest wait for a missing daemon
