@@ -13,7 +13,6 @@
 #include "daemon/ovws/study/parallel.hpp"
 #include "daemon/ovws/text/quantity.hpp"
 #include "daemon/ovws/text/wrap.hpp"
-#include "proto/json_text.hpp"
 
 namespace ovws::cli {
 namespace {
@@ -39,13 +38,10 @@ Result<void> check_output(const std::string& path) {
 
 void print_report(const Common& common, const examine::Measured& measured,
                   const examine::Findings& findings, const std::string& path) {
-  if (common.json) {
-    print("{}\n", json_text(examine::report_json(measured, findings)));
-    return;
-  }
   constexpr std::size_t kIndent = 3;
-  print("{}\n", wrapped(examine::report_text(findings), terminal_columns(), kIndent));
-  if (!path.empty()) print("report: {}\n", path);
+  print_result(common, examine::report_json(measured, findings),
+               wrapped(examine::report_text(findings), terminal_columns(), kIndent) +
+                   (path.empty() ? "" : "\nreport: " + path));
 }
 
 /// Measures the bench and prints the report. Returns kError if a verdict is bad.

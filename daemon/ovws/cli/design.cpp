@@ -10,6 +10,7 @@
 #include "core/base/number_text.hpp"
 #include "daemon/ovws/cli/command_line.hpp"
 #include "daemon/ovws/cli/commands.hpp"
+#include "daemon/ovws/cli/request.hpp"
 #include "daemon/ovws/design/design.hpp"
 #include "daemon/ovws/text/fill.hpp"
 #include "daemon/ovwsd/settings/config_check.hpp"
@@ -170,29 +171,30 @@ int report_refusal(const Common& common, const design::Refusal& refusal) {
   return kError;
 }
 
-void print_design(const design::Design& made) {
+std::string design_text(const design::Design& made) {
   Json said = to_json(made.figures);
   said["config"] = Json::parse(dump_config(made.config));
-  print("{}\n",
-        fill("subapertures    {subapertures}, {config.sensor.subapertures_across} across, each "
-             "{subaperture_mm:.3g} mm or {subaperture_px:.4g} SLM pixels\n"
-             "modes           {modes}\n"
-             "pupil           {pupil_mm:.4g} mm, to be covered by the beam\n"
-             "spots           lambda/d {lambda_d_px:.3g} px, neighbours {neighbours:.2g} lambda/d "
-             "apart\n"
-             "range           {range_waves:.2g} waves over a subaperture, "
-             "{range_defocus_waves:.2g} waves of defocus Z(2,0)\n"
-             "gratings        period {grating_period_px:.3g} SLM pixels, the finest "
-             "{finest_period_px:.2g}\n"
-             "region          {config.camera.roi.width} x {config.camera.roi.height} px at "
-             "({config.camera.roi.x}, {config.camera.roi.y})\n"
-             "camera          its middle {zeroth_order_mm.0:.2f} mm right of and "
-             "{zeroth_order_mm.1:.2f} mm below the zeroth order\n"
-             "settle time     {config.slm.settle_ms:g} ms until slm.settle measures it",
-             said));
+  std::string text = fill(
+      "subapertures    {subapertures}, {config.sensor.subapertures_across} across, each "
+      "{subaperture_mm:.3g} mm or {subaperture_px:.4g} SLM pixels\n"
+      "modes           {modes}\n"
+      "pupil           {pupil_mm:.4g} mm, to be covered by the beam\n"
+      "spots           lambda/d {lambda_d_px:.3g} px, neighbours {neighbours:.2g} lambda/d "
+      "apart\n"
+      "range           {range_waves:.2g} waves over a subaperture, "
+      "{range_defocus_waves:.2g} waves of defocus Z(2,0)\n"
+      "gratings        period {grating_period_px:.3g} SLM pixels, the finest "
+      "{finest_period_px:.2g}\n"
+      "region          {config.camera.roi.width} x {config.camera.roi.height} px at "
+      "({config.camera.roi.x}, {config.camera.roi.y})\n"
+      "camera          its middle {zeroth_order_mm.0:.2f} mm right of and "
+      "{zeroth_order_mm.1:.2f} mm below the zeroth order\n"
+      "settle time     {config.slm.settle_ms:g} ms until slm.settle measures it",
+      said);
   for (const Json& finding : to_json(made.findings)) {
-    print("{}\n", fill("limited by {limit}: {reason}[help?; helps: {help}]", finding));
+    text += "\n" + fill("limited by {limit}: {reason}[help?; helps: {help}]", finding);
   }
+  return text;
 }
 
 Result<void> write_config(const DesignOptions& options, const Config& config) {
@@ -222,10 +224,7 @@ Result<void> write_design(const DesignOptions& options, const Config& config) {
 int design_bench(const Common& common, const DesignOptions& options) {
   if (options.list) return list_models(common);
   const auto bench = bench_of(options);
-  if (!bench) {
-    report(common, bench.error());
-    return kUsage;
-  }
+  if (!bench) return report_mistake(common, bench.error());
   Config base;
   if (!options.config_path.empty()) {
     auto loaded = load_config(options.config_path);
@@ -237,15 +236,12 @@ int design_bench(const Common& common, const DesignOptions& options) {
   if (auto written = write_design(options, made->config); !written) {
     return report(common, written.error());
   }
-  if (common.json) {
-    print("{}\n", json_text(Json{{"accepted", true},
-                                 {"figures", to_json(made->figures)},
-                                 {"findings", to_json(made->findings)},
-                                 {"config", Json::parse(dump_config(made->config))}}));
-  } else {
-    print_design(*made);
-  }
-  return kOk;
+  return print_result(common,
+                      {{"accepted", true},
+                       {"figures", to_json(made->figures)},
+                       {"findings", to_json(made->findings)},
+                       {"config", Json::parse(dump_config(made->config))}},
+                      design_text(*made));
 }
 
 template <class Model>

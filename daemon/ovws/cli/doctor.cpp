@@ -8,7 +8,6 @@
 #include "daemon/ovws/cli/command_line.hpp"
 #include "daemon/ovws/cli/commands.hpp"
 #include "daemon/ovws/cli/request.hpp"
-#include "proto/json_text.hpp"
 
 namespace ovws::cli {
 namespace {
@@ -29,7 +28,7 @@ std::int64_t count(const Findings& found, Severity severity) {
   return std::ranges::count(found, severity, &Finding::severity);
 }
 
-void print_findings_json(const Findings& found) {
+nlohmann::json document_of(const Findings& found) {
   nlohmann::json findings = nlohmann::json::array();
   for (const Finding& one : found) {
     findings.push_back({{"name", one.name},
@@ -41,24 +40,24 @@ void print_findings_json(const Findings& found) {
   for (const Severity one : kSeverities) {
     counts[examine::names_of(one).doctor_name] = count(found, one);
   }
-  const nlohmann::json document{{"schema", "ovws.doctor/1"},
-                                {"version", OVWS_VERSION},
-                                {"counts", std::move(counts)},
-                                {"findings", std::move(findings)}};
-  print("{}\n", json_text(document));
+  return {{"schema", "ovws.doctor/1"},
+          {"version", OVWS_VERSION},
+          {"counts", std::move(counts)},
+          {"findings", std::move(findings)}};
 }
 
-void print_findings(const Findings& found) {
+std::string findings_text(const Findings& found) {
+  std::string text, summary;
   for (const Finding& one : found) {
-    print("{:<9} {:<21} {}\n", examine::names_of(one.severity).doctor_shown, one.name, one.text);
-    if (!one.fix.empty()) print("{:<9} {:<21}   fix: {}\n", "", "", one.fix);
+    text += fmt::format("{:<9} {:<21} {}\n", examine::names_of(one.severity).doctor_shown, one.name,
+                        one.text);
+    if (!one.fix.empty()) text += fmt::format("{:<9} {:<21}   fix: {}\n", "", "", one.fix);
   }
-  std::string summary;
   for (const Severity one : kSeverities) {
     summary += fmt::format("{}{} {}", summary.empty() ? "" : ", ", count(found, one),
                            examine::names_of(one).doctor_shown);
   }
-  print("{}\n", summary);
+  return text + summary;
 }
 
 examine::DaemonFacts ask_daemon(Common common, const std::string& endpoint) {
@@ -88,7 +87,7 @@ examine::DaemonFacts ask_daemon(Common common, const std::string& endpoint) {
 
 int diagnose(const Common& common, const DoctorOptions& options) {
   const Findings found = examine_bench(common, options.config_path, options.endpoint);
-  common.json ? print_findings_json(found) : print_findings(found);
+  print_result(common, document_of(found), findings_text(found));
   return examine::worst(found) == Severity::bad ? kError : kOk;
 }
 

@@ -21,8 +21,8 @@
 #include "daemon/ovws/study/gain_sweep.hpp"
 #include "daemon/ovws/study/parallel.hpp"
 #include "daemon/ovws/study/sweep_sensor.hpp"
+#include "daemon/ovws/text/fill.hpp"
 #include "daemon/ovws/text/quantity.hpp"
-#include "proto/json_text.hpp"
 #include "proto/tables/camera.hpp"
 
 namespace ovws::cli {
@@ -290,18 +290,11 @@ Result<void> write_all(Sweep& sweep, const json& experiment, const std::filesyst
 int print_findings(const Common& common, const json& experiment,
                    const std::filesystem::path& folder) {
   const json summary = study::sweep_summary(experiment);
-  if (common.json) {
-    print("{}\n", json_text(summary));
-    return kOk;
-  }
-  print("{}\n", study::sweep_table(experiment));
+  std::string text = study::sweep_table(experiment) + "\n";
   for (const json& one : summary.at("comparisons")) {
-    print("{} is below {} in {} of {} cells\n", one.at("arm").get<std::string>(),
-          one.at("other").get<std::string>(), one.at("lower").get<int>(),
-          one.at("cells").get<int>());
+    text += fill("{arm} is below {other} in {lower} of {cells} cells", one) + "\n";
   }
-  print("see {}\n", folder.string());
-  return kOk;
+  return print_result(common, summary, text + "see " + folder.string());
 }
 
 }  // namespace

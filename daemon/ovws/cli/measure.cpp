@@ -16,6 +16,7 @@
 #include "daemon/ovws/cli/commands.hpp"
 #include "daemon/ovws/cli/image_file.hpp"
 #include "daemon/ovws/cli/measurement.hpp"
+#include "daemon/ovws/cli/request.hpp"
 #include "daemon/ovws/text/fill.hpp"
 #include "daemon/ovwsd/sensor/plan_builder.hpp"
 #include "daemon/shared/slm_files.hpp"
@@ -287,10 +288,7 @@ int measure_page(const Common& common, ImageMeasurer& measurer, ImageFile& file,
 
 /// Measures every image of each file. After one that fails, the remaining ones are still measured.
 int measure_images(const Common& common, const MeasureOptions& options) {
-  if (const auto fault = fault_of(options)) {
-    report(common, *fault);
-    return kUsage;
-  }
+  if (const auto fault = fault_of(options)) return report_mistake(common, *fault);
   const auto config = measuring_config(options);
   if (!config) return report(common, config.error());
   if (const auto used = operator_report(config->tracking); !used.reason.empty()) {

@@ -405,11 +405,7 @@ int run_rejection(const Common& common, const json& params, double seconds,
   summary["seconds"] = seconds;
   auto written = remove_findings("rejection", folder);
   if (written) written = write_findings(summary, study::rejection_figures(found), folder);
-  if (common.json) {
-    print("{}\n", json_text(summary));
-  } else {
-    print("{}see {}\n", study::rejection_text(summary), folder.string());
-  }
+  print_result(common, summary, study::rejection_text(summary) + "see " + folder.string());
   return written ? kOk : report(common, written.error());
 }
 

@@ -315,10 +315,7 @@ int Conversation::list() const {
   const auto status = call(common_, "system.status", nlohmann::json::object());
   if (!status && !status.error().answered) return report_failure(common_, status.error());
   const Report report = commissioning_.report();
-  if (common_.json) {
-    print("{}\n", json_text(to_json(report)));
-    return kOk;
-  }
+  if (common_.json) return print_result(common_, to_json(report), "");
   for (const StepReport& step : report.steps) {
     print("{:<12} {:<13} {}\n", state_of(step), step.name,
           wrapped(step.purpose, terminal_columns(), 0));
