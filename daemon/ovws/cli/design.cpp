@@ -22,45 +22,27 @@
 
 namespace ovws {
 
-/// Field tables of a designed bench, for JSON.
 template <>
 inline constexpr NamesOf kNames<design::Limit> =
     texts<"region", "neighbours", "scale", "grating", "orders", "modes", "beam">;
 
-template <>
-inline constexpr auto kTable<design::Finding> =
-    Fields{"Finding", field<&design::Finding::limit>("what limits the bench"),
-           field<&design::Finding::reason>("what it means here"),
-           field<&design::Finding::help>("what helps").or_null()};
-
-template <>
-inline constexpr auto kTable<design::Change> =
-    Fields{"Change", field<&design::Change::options>("options that replace the given ones"),
-           field<&design::Change::meaning>("what they mean")};
-
-template <>
-inline constexpr auto kTable<design::Figures> = Fields{
-    "Figures",
-    field<&design::Figures::subapertures>("number of subapertures"),
-    field<&design::Figures::modes>("number of modes that are measured"),
-    field<&design::Figures::modes_by_positions>(
-        "number of modes that the spots' positions determine"),
-    field<&design::Figures::pupil_mm>("diameter that the beam must cover, millimetres"),
-    field<&design::Figures::subaperture_mm>("diameter of a subaperture, millimetres"),
-    field<&design::Figures::subaperture_px>("diameter of a subaperture, SLM pixels"),
-    field<&design::Figures::lambda_d_px>("scale of one spot, camera pixels"),
-    field<&design::Figures::neighbours>("smallest distance of two spots, lambda/d"),
-    field<&design::Figures::range_waves>(
-        "slope over one subaperture that a spot can follow, waves"),
-    field<&design::Figures::range_defocus_waves>("coefficient of Z(2,0) with that slope, waves"),
-    field<&design::Figures::grating_period_px>("period of the base grating, SLM pixels"),
-    field<&design::Figures::finest_period_px>("period of the finest grating, SLM pixels"),
-    field<&design::Figures::zeroth_order_px>(
-        "from the zeroth order to the base spot, camera pixels"),
-    field<&design::Figures::zeroth_order_mm>(
-        "from the zeroth order to the base spot, millimetres on the camera")};
-
 }  // namespace ovws
+
+namespace ovws::design {
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Change, options, meaning)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Figures, subapertures, modes, modes_by_positions, pupil_mm,
+                                   subaperture_mm, subaperture_px, lambda_d_px, neighbours,
+                                   range_waves, range_defocus_waves, grating_period_px,
+                                   finest_period_px, zeroth_order_px, zeroth_order_mm)
+
+inline void to_json(Json& out, const Finding& finding) {
+  out = {{"limit", wire_name(finding.limit)},
+         {"reason", finding.reason},
+         {"help", finding.help.empty() ? Json() : Json(finding.help)}};
+}
+
+}  // namespace ovws::design
 
 namespace ovws::cli {
 namespace {
@@ -157,9 +139,9 @@ int list_models(const Common& common) {
 
 int report_refusal(const Common& common, const design::Refusal& refusal) {
   if (common.json) {
-    print("{}\n", json_text(Json{{"accepted", false},
-                                 {"finding", to_json(refusal.finding)},
-                                 {"changes", to_json(refusal.changes)}}));
+    print("{}\n",
+          json_text(Json{
+              {"accepted", false}, {"finding", refusal.finding}, {"changes", refusal.changes}}));
     return kError;
   }
   fmt::print(stderr, "ovws: this bench cannot work ({}): {}\n", wire_name(refusal.finding.limit),
@@ -172,7 +154,7 @@ int report_refusal(const Common& common, const design::Refusal& refusal) {
 }
 
 std::string design_text(const design::Design& made) {
-  Json said = to_json(made.figures);
+  Json said = made.figures;
   said["config"] = Json::parse(dump_config(made.config));
   std::string text = fill(
       "subapertures    {subapertures}, {config.sensor.subapertures_across} across, each "
@@ -191,7 +173,7 @@ std::string design_text(const design::Design& made) {
       "{zeroth_order_mm.1:.2f} mm below the zeroth order\n"
       "settle time     {config.slm.settle_ms:g} ms until slm.settle measures it",
       said);
-  for (const Json& finding : to_json(made.findings)) {
+  for (const design::Finding& finding : made.findings) {
     text += "\n" + fill("limited by {limit}: {reason}[help?; helps: {help}]", finding);
   }
   return text;
@@ -238,8 +220,8 @@ int design_bench(const Common& common, const DesignOptions& options) {
   }
   return print_result(common,
                       {{"accepted", true},
-                       {"figures", to_json(made->figures)},
-                       {"findings", to_json(made->findings)},
+                       {"figures", made->figures},
+                       {"findings", made->findings},
                        {"config", Json::parse(dump_config(made->config))}},
                       design_text(*made));
 }
