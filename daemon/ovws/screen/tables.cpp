@@ -1,12 +1,11 @@
 /// Draws the tables of latencies, losses and events.
-#include <fmt/chrono.h>
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <array>
-#include <ctime>
 
 #include "daemon/ovws/screen/page.hpp"
+#include "daemon/ovws/text/fill.hpp"
 
 namespace ovws::screen {
 namespace {
@@ -25,11 +24,6 @@ std::string words(std::string name) {
 std::string short_us(double us) {
   if (us < 10e3) return fmt::format("{:.0f}", us);
   return us < 1e6 ? fmt::format("{:.0f}ms", us / 1e3) : fmt::format("{:.0f}s", us / 1e6);
-}
-
-std::string local_time(const json& event) {
-  const std::time_t second = event.at("t_ns").get<std::int64_t>() / 1'000'000'000;
-  return fmt::format("{:%H:%M:%S}", fmt::localtime(second));
 }
 
 Style style_of(const std::string& severity) {
@@ -90,11 +84,9 @@ void draw_events(Canvas& canvas, Rect rect, const View& view) {
   const int rows = std::min(rect.height - 1, int(view.events.size()));
   for (int k = 0; k < rows; ++k) {
     const json& event = view.events[view.events.size() - std::size_t(rows) + std::size_t(k)];
-    const std::string severity = event.at("severity").get<std::string>();
-    const std::string loud = severity == "info" ? "" : severity + ": ";
     canvas.text(rect.x, rect.y + 1 + k, rect.width,
-                local_time(event) + "  " + loud + event.at("text").get<std::string>(),
-                style_of(severity));
+                cli::fill("{t_ns:clock}  [!severity=info?{severity}: ]{text}", event),
+                style_of(event.at("severity").get<std::string>()));
   }
 }
 
