@@ -15,28 +15,49 @@
 
 namespace ovws::study {
 
-using Clock = std::chrono::steady_clock;
-
 namespace {
+
+using Clock = std::chrono::steady_clock;
 
 /// Progress bar with the remaining time on standard error; see print_progress.
 class Progress {
  public:
-  Progress(std::string what, std::size_t total);
-  ~Progress();
+  Progress(std::string what, std::size_t total) : what_(std::move(what)), total_(total) {
+    show();  // the first item may take long
+  }
+  ~Progress() { print_progress(""); }
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
-  void tick();  ///< counts one more finished item; thread-safe
+
+  /// Counts one more finished item; thread-safe.
+  void tick() {
+    const std::lock_guard lock(mutex_);
+    ++done_;
+    constexpr std::chrono::milliseconds kPace(100);
+    if (Clock::now() - shown_ < kPace) return;
+    shown_ = Clock::now();
+    show();
+  }
 
  private:
-  void show();
+  void show() {
+    constexpr std::size_t kWidth = 40;
+    const std::size_t filled = kWidth * done_ / std::max<std::size_t>(total_, 1);
+    std::string line = fmt::format("{:<24} [{}{}] {}/{}", what_, std::string(filled, '#'),
+                                   std::string(kWidth - filled, ' '), done_, total_);
+    if (done_ > 0) {
+      const double spent_s = std::chrono::duration<double>(Clock::now() - started_).count();
+      line += fmt::format("  {:.0f} s left", spent_s * double(total_ - done_) / double(done_));
+    }
+    print_progress(line);
+  }
 
-  std::string what_;
-  std::size_t total_;
-  std::chrono::steady_clock::time_point started_;
+  const std::string what_;
+  const std::size_t total_;
+  const Clock::time_point started_ = Clock::now();
   std::mutex mutex_;
   std::size_t done_ = 0;
-  std::chrono::steady_clock::time_point shown_;
+  Clock::time_point shown_;
 };
 
 }  // namespace
@@ -45,36 +66,6 @@ void print_progress(std::string_view text) {
   if (::isatty(STDERR_FILENO) == 0) return;
   fmt::print(stderr, "\r{}\033[K", text);
   std::fflush(stderr);
-}
-
-Progress::Progress(std::string what, std::size_t total)
-    : what_(std::move(what)), total_(total), started_(Clock::now()) {
-  show();  // the first item may take long
-}
-
-Progress::~Progress() {
-  print_progress("");
-}
-
-void Progress::tick() {
-  const std::lock_guard lock(mutex_);
-  ++done_;
-  constexpr std::chrono::milliseconds kPace(100);
-  if (Clock::now() - shown_ < kPace) return;
-  shown_ = Clock::now();
-  show();
-}
-
-void Progress::show() {
-  constexpr std::size_t kWidth = 40;
-  const std::size_t filled = kWidth * done_ / std::max<std::size_t>(total_, 1);
-  std::string line = fmt::format("{:<24} [{}{}] {}/{}", what_, std::string(filled, '#'),
-                                 std::string(kWidth - filled, ' '), done_, total_);
-  if (done_ > 0) {
-    const double spent_s = std::chrono::duration<double>(Clock::now() - started_).count();
-    line += fmt::format("  {:.0f} s left", spent_s * double(total_ - done_) / double(done_));
-  }
-  print_progress(line);
 }
 
 int all_cores() {
