@@ -74,7 +74,7 @@ class CellFiles {
     }
     return {};
   }
-  const SweepCells& cells() const { return cells_; }
+  const study::SweepCells& cells() const { return cells_; }
 
  private:
   void begin() {
@@ -92,7 +92,7 @@ class CellFiles {
 
   std::filesystem::path folder_;
   std::ofstream cells_file_, frames_file_;
-  SweepCells cells_;
+  study::SweepCells cells_;
 };
 
 Image<std::uint8_t> eight_bits(const ImageView& image) {
@@ -137,9 +137,11 @@ class Sweep {
     return {};
   }
   bool is_complete() const { return files_.cells().size() == sweep_.cells(); }
+  const GainSweep& params() const { return sweep_; }
   CellFiles& files() { return files_; }
   const CameraFrames& camera_frames() const { return frames_; }
-  json report() const;
+  /// Of a complete sweep.
+  json summary() const;
 
  private:
   Answered<void> make_sensors();
@@ -255,12 +257,14 @@ void Sweep::show_progress() const {
                                     time_text(std::ceil(passed_s * (1.0 - done) / done))));
 }
 
-json Sweep::report() const {
+json Sweep::summary() const {
   json cells = json::array(), references = json::array();
   for (const auto& [number, cell] : files_.cells()) cells.push_back(summary_of(cell));
   for (const ReferenceMeasured& one : references_) references.push_back(report_of(one));
   const CameraSettings& camera = bench_.config().camera.settings;
-  return {{"t_begun_ns", t_begun_ns_},
+  return {{"study", "experiment"},
+          {"comparisons", study::sweep_comparisons(sweep_, files_.cells())},
+          {"t_begun_ns", t_begun_ns_},
           {"request", to_json(sweep_)},
           {"bench",
            {{"exposure_us", camera.exposure_us},
@@ -274,23 +278,22 @@ json Sweep::report() const {
 }
 
 /// Writes summary, table, figures and images.
-Result<void> write_all(Sweep& sweep, const json& experiment, const std::filesystem::path& folder) {
+Result<void> write_all(Sweep& sweep, json summary, const std::string& table,
+                       const std::filesystem::path& folder) {
   if (auto done = sweep.files().write_in_order(); !done) return done;
-  json summary = study::sweep_summary(experiment);
   summary["version"] = OVWS_VERSION;
+  const study::SweepCells& cells = sweep.files().cells();
   const auto draw_images = [&]() -> Result<void> {
     if (auto done = draw_camera_frames(sweep.camera_frames(), folder); !done) return done;
-    return draw_residuals(experiment.at("request"), sweep.files().cells(), folder);
+    return draw_residuals(sweep.params(), cells, folder);
   };
-  auto done = study::write_text(study::sweep_table(experiment), folder / "table.txt");
-  if (!done) return done;
-  return write_findings(summary, study::sweep_figures(experiment), folder, draw_images);
+  if (auto done = study::write_text(table, folder / "table.txt"); !done) return done;
+  return write_findings(summary, study::sweep_figures(sweep.params(), cells), folder, draw_images);
 }
 
-int print_findings(const Common& common, const json& experiment,
+int print_findings(const Common& common, const json& summary, const std::string& table,
                    const std::filesystem::path& folder) {
-  const json summary = study::sweep_summary(experiment);
-  std::string text = study::sweep_table(experiment) + "\n";
+  std::string text = table + "\n";
   for (const json& one : summary.at("comparisons")) {
     text += fill("{arm} is below {other} in {lower} of {cells} cells", one) + "\n";
   }
@@ -316,11 +319,12 @@ int run_experiment(const Common& common, const json& params, const std::filesyst
                            fmt::format("the study was stopped; {} cells are in {}",
                                        sweep.files().cells().size(), folder.string())});
   }
-  const json experiment = sweep.report();
-  if (auto written = write_all(sweep, experiment, folder); !written) {
+  const json summary = sweep.summary();
+  const std::string table = study::sweep_table(sweep.params(), sweep.files().cells());
+  if (auto written = write_all(sweep, summary, table, folder); !written) {
     return report(common, written.error());
   }
-  return print_findings(common, experiment, folder);
+  return print_findings(common, summary, table, folder);
 }
 
 }  // namespace ovws::cli

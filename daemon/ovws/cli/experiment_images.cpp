@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 #include <string>
@@ -12,7 +13,7 @@
 
 #include "core/wavefront/phase_map.hpp"
 #include "daemon/ovws/cli/image_file.hpp"
-#include "daemon/ovws/study/gain_sweep.hpp"
+#include "daemon/ovws/study/sensor.hpp"
 
 namespace ovws::cli {
 namespace {
@@ -71,27 +72,14 @@ std::optional<std::size_t> median_frame(const json& cell) {
   return valid_frames[valid_frames.size() / 2].second;
 }
 
-std::size_t next_gain(const json& request) {
-  const auto gains = request.at("gains_db").get<std::vector<double>>();
-  const auto next = std::min_element(gains.begin(), gains.end(), [](double a, double b) {
-    return std::abs(a - kResidualGainDb) < std::abs(b - kResidualGainDb);
-  });
-  return std::size_t(next - gains.begin());
-}
-
-std::vector<float> introduced_waves(const json& aberration, const std::vector<int>& modes_j) {
-  std::vector<float> waves(modes_j.size(), 0.0F);
-  for (const json& mode : aberration.at("modes")) {
-    const auto at = std::find(modes_j.begin(), modes_j.end(), mode.at("j").get<int>());
-    if (at != modes_j.end())
-      waves[std::size_t(at - modes_j.begin())] = mode.at("waves").get<float>();
-  }
-  return waves;
+std::size_t next_gain(const std::vector<double>& gains_db) {
+  const auto off = [](double gain_db) { return std::abs(gain_db - kResidualGainDb); };
+  return std::size_t(std::ranges::min_element(gains_db, {}, off) - gains_db.begin());
 }
 
 struct Residual {
   Image<float> waves;
-  std::string title, more;
+  std::string text;
 };
 
 /// Residual wavefront of the cell's median frame; none if no frame has coefficients.
@@ -103,8 +91,7 @@ std::optional<Residual> residual_of(const json& cell, const PhaseMap& map,
   for (std::size_t i = 0; i < left.size(); ++i) left[i] = introduced[i] - left[i];
   Residual residual;
   map.render(left, residual.waves);
-  residual.title = study::arm_name(cell) + ", residual";
-  residual.more =
+  residual.text =
       fmt::format("{:.3g} rad^2, +-{:.3f} wave", cell.at("variances_rad2").at(*frame).get<double>(),
                   largest(residual.waves));
   return residual;
@@ -131,32 +118,30 @@ Result<void> draw_camera_frames(const CameraFrames& frames, const std::filesyste
   return {};
 }
 
-Result<void> draw_residuals(const json& request, const SweepCells& cells,
+Result<void> draw_residuals(const GainSweep& sweep, const study::SweepCells& cells,
                             const std::filesystem::path& folder) {
-  const std::size_t aberration = std::min<std::size_t>(1, request.at("aberrations").size() - 1);
-  const std::size_t arms = request.at("arms").size(), gain = next_gain(request);
-  const std::size_t first = (aberration * request.at("gains_db").size() + gain) * arms;
-  const json& introduced = request.at("aberrations").at(aberration);
+  const std::size_t aberration = std::min<std::size_t>(1, sweep.aberrations.size() - 1);
+  const std::size_t arms = sweep.arms.size(), gain = next_gain(sweep.gains_db);
+  const std::size_t first = (aberration * sweep.gains_db.size() + gain) * arms;
   Row row;
   for (std::size_t k = 0; k < arms; ++k) {
-    const auto cell = cells.find(int(first + k));
-    if (cell == cells.end()) continue;
-    const auto modes_j = cell->second.at("modes_j").get<std::vector<int>>();
+    const json& cell = cells.at(int(first + k));
+    const auto modes_j = cell.at("modes_j").get<std::vector<int>>();
     const PhaseMap map(modes_j, kPanelPx);
-    const std::vector<float> waves = introduced_waves(introduced, modes_j);
+    const auto introduced = study::waves_of(sweep.aberrations[aberration].modes, modes_j);
+    const std::vector<float> waves(introduced.begin(), introduced.end());
     Image<float> shown;
     map.render(waves, shown);
     const double scale = largest(shown);  // one colour scale for all panels
-    if (row.picture().empty()) {
-      row.add(coloured(shown, scale),
-              fmt::format("introduced, {:g} dB", request.at("gains_db").at(gain).get<double>()),
+    if (k == 0) {
+      row.add(coloured(shown, scale), fmt::format("introduced, {:g} dB", sweep.gains_db[gain]),
               fmt::format("+-{:.3f} wave", scale));
     }
-    const auto residual = residual_of(cell->second, map, waves);
+    const auto residual = residual_of(cell, map, waves);
     if (!residual) continue;
-    row.add(coloured(residual->waves, scale), residual->title, residual->more);
+    row.add(coloured(residual->waves, scale), study::arm_name(sweep.arms[k]) + ", residual",
+            residual->text);
   }
-  if (row.picture().empty()) return {};
   return write_image(folder / "experiment-residual.png", row.picture());
 }
 

@@ -3,17 +3,13 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <map>
-#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "core/base/image.hpp"
 #include "core/base/result.hpp"
+#include "daemon/ovws/study/gain_sweep.hpp"
 
 namespace ovws::cli {
-
-/// Results of the measured cells by number, by report_of.
-using SweepCells = std::map<int, nlohmann::json>;
 
 /// One frame of a charge at a gain.
 struct CameraFrame {
@@ -27,11 +23,10 @@ using CameraFrames = std::vector<CameraFrame>;
 /// side by side, with unscaled grey levels. Errors: a file cannot be written.
 Result<void> draw_camera_frames(const CameraFrames& frames, const std::filesystem::path& folder);
 
-/// Writes experiment-residual.png, as in the paper, for the measured gain nearest to 36 dB. Shows
-/// the second aberration (or the only one) and each arm's residual wavefront, on one colour scale.
-/// The residual comes from the frame with the cell's median variance. Writes nothing if no cell was
-/// measured at this gain.
-Result<void> draw_residuals(const nlohmann::json& request, const SweepCells& cells,
+/// Writes experiment-residual.png, as in the paper, for the gain nearest to 36 dB. Shows the second
+/// aberration (or the only one) and each arm's residual wavefront, on one colour scale. The
+/// residual comes from the frame with the cell's median variance.
+Result<void> draw_residuals(const GainSweep& sweep, const study::SweepCells& cells,
                             const std::filesystem::path& folder);
 
 }  // namespace ovws::cli

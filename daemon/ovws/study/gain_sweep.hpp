@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -166,34 +167,24 @@ Json summary_of(Json cell_report);
 
 namespace ovws::study {
 
-// CSV, table and figures of a gain sweep. `cell`: report_of a cell. `experiment`: an object with
-// the `request`, the `bench`, and the JSON of all references and cells.
+/// The cells of a whole sweep by number, by report_of.
+using SweepCells = std::map<int, nlohmann::json>;
 
-/// CSV files; column names contain the units.
+/// CSV files of cells; column names contain the units.
 std::string cells_csv_header();
 std::string cells_csv_row(const nlohmann::json& cell);
 std::string frames_csv_header(const nlohmann::json& cell);  ///< last columns: the cell's modes
 std::string frames_csv_rows(const nlohmann::json& cell);
 
 /// Name of an arm of the gain sweep, e.g. "charge 1, lg".
-std::string arm_name(const nlohmann::json& arm);
-/// Name of an element of the request's "aberrations", e.g.
-/// "oblique astigmatism, 0.204 wave RMS (0.5 unit amplitude)".
-std::string aberration_name(const nlohmann::json& aberration);
+std::string arm_name(const SweepArm& arm);
 
 /// Table of residual variances: one row per gain, one column per arm.
-std::string sweep_table(const nlohmann::json& experiment);
+std::string sweep_table(const GainSweep& sweep, const SweepCells& cells);
 /// Figures of the residual variances, one per aberration.
-std::vector<Figure> sweep_figures(const nlohmann::json& experiment);
-
-/// Comparison of two arms: the number of cells that both arms measured, and the number of cells in
-/// which the first arm's variance is lower.
-struct Comparison {
-  int cells = 0, lower = 0;
-};
-Comparison compare_arms(const nlohmann::json& experiment, std::size_t arm, std::size_t other);
-
-/// JSON summary of the sweep: the experiment, and a comparison of each pair of arms.
-nlohmann::json sweep_summary(const nlohmann::json& experiment);
+std::vector<Figure> sweep_figures(const GainSweep& sweep, const SweepCells& cells);
+/// Compares each pair of arms: `cells` that both arms measured, and in how many of them the first
+/// arm's variance is `lower`.
+nlohmann::json sweep_comparisons(const GainSweep& sweep, const SweepCells& cells);
 
 }  // namespace ovws::study
