@@ -98,14 +98,9 @@ class CellFiles {
 Image<std::uint8_t> eight_bits(const ImageView& image) {
   const int shift = significant_bits(image.format) - 8;
   Image<std::uint8_t> out(image.width, image.height);
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) {
-      const bool words = traits_of(image.format).layout == PixelLayout::words;
-      const int dn =
-          words ? image.row<std::uint16_t>(y)[x] >> shift : image.row<std::uint8_t>(y)[x];
-      out.at(x, y) = std::uint8_t(dn);
-    }
-  }
+  visit_rows(image, 0, 0, image.width, image.height, [&](int x, int y, const auto* row, int count) {
+    for (int i = 0; i < count; ++i) out.at(x + i, y) = std::uint8_t(row[i] >> shift);
+  });
   return out;
 }
 
