@@ -47,25 +47,6 @@ struct Stamps {
   std::int64_t device_ns = 0, arrival_ns = 0;
 };
 
-/// Sums over frames of the squares of what no law corrects.
-class FittingSums {
- public:
-  void add(const json& message, const std::vector<std::size_t>& uncorrected) {
-    fit_residual_ += std::pow(message.at("fit_residual_px").get<double>(), 2);
-    for (const std::size_t k : uncorrected) {
-      uncorrected_ += std::pow(message.at("coefficients").at(k).get<double>(), 2);
-    }
-  }
-
-  void put_into(study::RecordedLoop& recorded, int frames) const {
-    recorded.fit_residual_px = std::sqrt(fit_residual_ / frames);
-    recorded.uncorrected_waves = std::sqrt(uncorrected_ / frames);
-  }
-
- private:
-  double fit_residual_ = 0.0, uncorrected_ = 0.0;
-};
-
 class Recorder {
  public:
   explicit Recorder(const RecordTask& task) : task_(task) {
@@ -97,7 +78,10 @@ class Recorder {
       recorded_.recording.modes_waves[k].push_back(
           message.at("coefficients").at(indices_[k]).get<double>());
     }
-    fitting_.add(message, others_);
+    fit_residual_squares_ += std::pow(message.at("fit_residual_px").get<double>(), 2);
+    for (const std::size_t k : others_) {
+      uncorrected_squares_ += std::pow(message.at("coefficients").at(k).get<double>(), 2);
+    }
     return {};
   }
 
@@ -121,7 +105,8 @@ class Recorder {
       }
     }
     recorded_.recording = std::move(kept);
-    fitting_.put_into(recorded_, frames());
+    recorded_.fit_residual_px = std::sqrt(fit_residual_squares_ / frames());
+    recorded_.uncorrected_waves = std::sqrt(uncorrected_squares_ / frames());
     return std::move(recorded_);
   }
 
@@ -165,7 +150,7 @@ class Recorder {
   std::vector<int> stream_modes_j_;
   std::vector<std::size_t> indices_;  ///< index of each task mode in the message
   std::vector<std::size_t> others_;   ///< indices of recorded_.uncorrected_j
-  FittingSums fitting_;
+  double fit_residual_squares_ = 0.0, uncorrected_squares_ = 0.0;  ///< sums over the frames
   std::optional<std::int64_t> last_seq_;
 };
 
