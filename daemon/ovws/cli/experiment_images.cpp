@@ -50,8 +50,7 @@ class Row {
 };
 
 cv::Mat coloured(const Image<float>& waves, double scale) {
-  const cv::Mat raw(waves.height, waves.width, CV_32FC1, const_cast<float*>(waves.pixels.data()));
-  return phase_colours(raw, scale, kPaper);
+  return phase_colours(matrix_on(waves), scale, kPaper);
 }
 
 double largest(const Image<float>& waves) {
@@ -102,8 +101,7 @@ std::optional<Residual> residual_of(const json& cell, const PhaseMap& map,
 Result<void> draw_camera_frames(const CameraFrames& frames, const std::filesystem::path& folder) {
   std::map<int, Row> rows;
   for (const CameraFrame& one : frames) {
-    const cv::Mat grey(one.image.height, one.image.width, CV_8UC1,
-                       const_cast<std::uint8_t*>(one.image.pixels.data()));
+    const cv::Mat grey = matrix_on(one.image);
     cv::Mat picture;
     cv::cvtColor(grey, picture, cv::COLOR_GRAY2BGR);
     picture.setTo(cv::Scalar(60, 60, 255), grey == 255);

@@ -68,6 +68,14 @@ class ImageFile {
   std::optional<Depth> depth_;
 };
 
+/// The image as a matrix on the same pixels, which must not be changed by it.
+template <class Pixel>
+cv::Mat matrix_on(const Image<Pixel>& image) {
+  // cv::Mat has no constructor for const pixels.
+  return cv::Mat(image.height, image.width, cv::DataType<Pixel>::type,
+                 const_cast<Pixel*>(image.pixels.data()));
+}
+
 /// Maps -scale to +scale waves (CV_32FC1) to the viridis colours; NaN shows `background`.
 cv::Mat phase_colours(const cv::Mat& waves, double scale, const cv::Scalar& background);
 

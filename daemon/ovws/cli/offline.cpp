@@ -26,14 +26,6 @@ Result<Config> hologram_config(const ImageOptions& options) {
   return config;
 }
 
-template <class Pixel>
-Result<void> write_png(const std::string& path, const Image<Pixel>& image) {
-  const int type = sizeof(Pixel) == 1 ? CV_8UC1 : CV_16UC1;
-  // cv::Mat has no constructor for const pixels; write_image does not change them.
-  const cv::Mat mat(image.height, image.width, type, const_cast<Pixel*>(image.pixels.data()));
-  return write_image(path, mat);
-}
-
 Result<std::vector<Mode>> requested_modes(const ImageOptions& options) {
   return parse_modes(options.modes, options.norm == "unit" ? ZernikeNorm::unit : ZernikeNorm::rms);
 }
@@ -58,7 +50,7 @@ Result<void> make_hologram(const ImageOptions& options) {
   if (!hologram) return fail(hologram.error());
   const auto grey = render(*hologram, options);
   if (!grey) return fail(grey.error());
-  return write_png(options.output, *grey);
+  return write_image(options.output, matrix_on(*grey));
 }
 
 /// Far-field image of an ideal SLM, in electrons per pixel of the camera's region. It is scaled to
@@ -127,10 +119,9 @@ Result<void> write_farfield(const Config& config, const FarFieldOptions& options
   Image<std::uint16_t> dn;
   Detector(detector, collected->width, collected->height)
       .expose(*collected, config.camera.settings.exposure_us, options.gain_db, dn);
-  if (options.bits > 8) return write_png(options.output, dn);
-  Image<std::uint8_t> narrow(dn.width, dn.height);
-  std::copy(dn.pixels.begin(), dn.pixels.end(), narrow.pixels.begin());
-  return write_png(options.output, narrow);
+  cv::Mat picture = matrix_on(dn);
+  if (options.bits <= 8) picture.convertTo(picture, CV_8U);
+  return write_image(options.output, picture);
 }
 
 void add_pictures(CLI::App& app, const Common& common, int& status) {
