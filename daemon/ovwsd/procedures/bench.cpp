@@ -26,8 +26,9 @@ double patience_s(const CameraSettings& camera) {
                   3.0 * std::max(1.0 / camera.frame_rate_hz, 1e-6 * camera.exposure_us));
 }
 
-MeasuredUnder measured_under(const SensorSnapshot& sensor) {
-  return {sensor.sensor_epoch, sensor.hologram_id};
+MeasuredUnder measured_under(const SensorSnapshot& sensor,
+                             std::optional<CameraSettings> camera = {}) {
+  return {sensor.sensor_epoch, sensor.hologram_id, camera};
 }
 
 }  // namespace
@@ -211,18 +212,22 @@ Result<void> Bench::wait_for(FrameTap& tap, const Check& check) const {
   return {};
 }
 
-Result<SpotAverage> Bench::spots(int frames, const Check& check, std::vector<SpotAverage>* beams) {
+Result<SpotAverage> Bench::spots(int frames, std::vector<SpotAverage>* beams) {
   const SensorView now = sensor();
-  SpotAverager averager(frames, now->subapertures);
-  std::vector<SpotAverager> further(now->beams.size(), averager);
+  return spots(*now, measured_under(*now), frames, nullptr, beams);
+}
+
+Result<SpotAverage> Bench::spots(const SensorSnapshot& now, const MeasuredUnder& under, int frames,
+                                 const Check& check, std::vector<SpotAverage>* beams) {
+  SpotAverager averager(frames, now.subapertures);
+  std::vector<SpotAverager> further(now.beams.size(), averager);
   const auto add_beams = [&](const FrameRecord& record) {
     for (std::size_t k = 0; k < further.size(); ++k) (void)further[k].add(*record.beams()[k]);
     return true;
   };
-  FrameTap tap(deps_.frames, FrameTap::Needs::numbers, frames,
-               [&, under = measured_under(*now)](const FrameRecord& record) {
-                 return under.settled(record) && averager.add(record) && add_beams(record);
-               });
+  FrameTap tap(deps_.frames, FrameTap::Needs::numbers, frames, [&](const FrameRecord& record) {
+    return under.settled(record) && averager.add(record) && add_beams(record);
+  });
   if (auto taken = wait_for(tap, check); !taken) return fail(taken.error());
   for (std::size_t k = 0; beams != nullptr && k < further.size(); ++k) {
     beams->push_back(further[k].average());
@@ -232,19 +237,21 @@ Result<SpotAverage> Bench::spots(int frames, const Check& check, std::vector<Spo
 
 Result<TakenReference> Bench::reference(int frames, const std::string& only) {
   const CameraSettings settings = camera().settings;
+  const SensorView now = sensor();
+  const MeasuredUnder under = measured_under(*now, settings);
   const auto same_camera = [&]() -> Result<void> {
     if (camera().settings == settings) return {};
     return fail(Errc::refused, "camera",
                 "the camera's settings changed during the job; start it again");
   };
   ImageMean picture;
-  FrameTap pictures = tap_images(ImageMean::kMaxFrames, picture);
+  FrameTap pictures = tap_images(under, ImageMean::kMaxFrames, picture);
   const auto check = [&](const FrameTap& spots) {
     report_progress(double(spots.used()) / frames);
     return same_camera();
   };
   std::vector<SpotAverage> beams;
-  auto average = spots(frames, check, &beams);
+  auto average = spots(*now, under, frames, check, &beams);
   pictures.close();
   if (!average) return fail(average.error());
   if (auto same = same_camera(); !same) return fail(same.error());
@@ -252,19 +259,15 @@ Result<TakenReference> Bench::reference(int frames, const std::string& only) {
 }
 
 /// Averages images into `to`, which must outlive the tap.
-FrameTap Bench::tap_images(int frames, ImageMean& to) const {
-  return {deps_.frames, FrameTap::Needs::pixels, frames,
-          [&to, under = measured_under(*sensor()),
-           with = camera().settings](const FrameRecord& record) {
-            return under.still(record) && record.exposure_us == with.exposure_us &&
-                   same_number(record.gain_db, with.gain_db) &&
-                   same_number(record.gain_raw, with.gain_raw) && to.add(record);
+FrameTap Bench::tap_images(const MeasuredUnder& under, int frames, ImageMean& to) const {
+  return {deps_.frames, FrameTap::Needs::pixels, frames, [&to, under](const FrameRecord& record) {
+            return under.still(record) && to.add(record);
           }};
 }
 
 Result<Image<float>> Bench::picture(int frames) {
   ImageMean picture;
-  FrameTap tap = tap_images(frames, picture);
+  FrameTap tap = tap_images(measured_under(*sensor(), camera().settings), frames, picture);
   if (auto all = wait_for(tap); !all) return fail(all.error());
   return picture.mean()->mean_dn;
 }

@@ -96,16 +96,12 @@ class Bench {
   /// was cancelled.
   Result<void> keep_camera();
 
-  /// Check that is called periodically while a call waits for frames; an error ends the wait.
-  using Check = std::function<Result<void>(const FrameTap&)>;
   /// Averages the spots of the next `frames` settled frames of the current hologram: those of the
   /// main light source, and into `beams`, if given, those of the further ones.
-  Result<SpotAverage> spots(int frames, const Check& check = nullptr,
-                            std::vector<SpotAverage>* beams = nullptr);
-  /// Averages the spots of the next `frames` settled frames, and the images of some of these
-  /// frames. Reports the progress. Errc::refused, field "camera": the camera's settings changed
-  /// during the job.
-  /// `only`: see TakenReference.
+  Result<SpotAverage> spots(int frames, std::vector<SpotAverage>* beams = nullptr);
+  /// Averages the spots of the next `frames` settled frames of the current hologram and camera
+  /// settings, and the images of some of these frames. Reports the progress. Errc::refused, field
+  /// "camera": the camera's settings changed during the job. `only`: see TakenReference.
   Result<TakenReference> reference(int frames, const std::string& only = {});
   /// Mean image of the next `frames` frames of the current hologram and camera settings, DN; NaN at
   /// pixels that were saturated in a frame.
@@ -134,13 +130,18 @@ class Bench {
   bool stopped() const { return stop_.load(); }
 
  private:
+  /// Check that is called periodically while a call waits for frames; an error ends the wait.
+  using Check = std::function<Result<void>(const FrameTap&)>;
+
   template <class T>
   Result<T> wait_for(std::future<Result<T>> future);
   Result<CameraSnapshot> try_camera(const CameraSet& change);
   Result<void> check_display() const;
   Error no_frame(double waited_s) const;
   Result<void> edit(SensorChange change);
-  FrameTap tap_images(int frames, ImageMean& to) const;
+  FrameTap tap_images(const MeasuredUnder& under, int frames, ImageMean& to) const;
+  Result<SpotAverage> spots(const SensorSnapshot& now, const MeasuredUnder& under, int frames,
+                            const Check& check, std::vector<SpotAverage>* beams);
   Result<void> wait_for(FrameTap& tap, const Check& check = nullptr) const;
 
   int job_;

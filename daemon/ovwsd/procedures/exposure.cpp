@@ -32,7 +32,7 @@ constexpr double kTopFactor = 0.5;       // change of the exposure where only th
 std::vector<Vec2> found_spots(Bench& bench, const ColourPlane& plane, int frames) {
   if (bench.sensor()->pattern != HologramKind::sensor) return {};
   std::vector<SpotAverage> sources;
-  auto of_main = bench.spots(frames, nullptr, &sources);
+  auto of_main = bench.spots(frames, &sources);
   if (!of_main) return {};
   sources.push_back(std::move(*of_main));
   std::vector<Vec2> found;

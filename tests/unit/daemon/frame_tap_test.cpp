@@ -167,6 +167,18 @@ TEST_F(MeasuredTest, TakesNoFrameOfAnythingElse) {
   EXPECT_FALSE(under_.still(others[3]));
 }
 
+TEST_F(MeasuredTest, TakesFramesOfTheGivenExposureAndGainOnly) {
+  const MeasuredUnder under{5, 9, CameraSettings{}};
+  record_.exposure_us = CameraSettings{}.exposure_us;
+  EXPECT_TRUE(under.settled(record_) && under.still(record_));
+  std::vector<FrameRecord> others(4, record_);
+  others[0].exposure_us = others[1].gain_db = others[2].gain_raw = 1.0;
+  others[3].settings_known = false;
+  for (const FrameRecord& other : others) {
+    EXPECT_FALSE(under.settled(other) || under.still(other));
+  }
+}
+
 /// Usable frames of one mode, the last one of another hologram than its plan's.
 TEST_F(MeasuredTest, AFeedHoldsUsableFramesUntilItIsFull) {
   plan_.hologram_id = 9;
