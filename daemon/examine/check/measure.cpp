@@ -30,7 +30,7 @@ constexpr int kFrames = 20, kQuickFrames = 6;
 /// the wavefront before a poke measure the first frames less exactly.
 constexpr double kExactSigmas = 3.0;
 constexpr int kMostWaits = 3;      // unread modes for whose templates it waits
-constexpr double kSlowSlmS = 1.0;  // watched after the first pokes, in case that the SLM is slow
+constexpr double kSlowSlmS = 1.0;  // watched after the last hologram, in case that the SLM is slow
 
 /// Ends the check.
 struct CheckFailed {
@@ -185,8 +185,10 @@ class Run {
 
   void record() {
     begin(2);
+    FrameReader frames = reader();
+    frames.record(kSlowSlmS, [](double /*left*/) {});
     measured_.open =
-        reader().record(seconds_, [&](double left) { progress("noise and drift", left); });
+        frames.record(seconds_, [&](double left) { progress("noise and drift", left); });
     measured_.counters_after = call("system.status").at("counters");
   }
 
