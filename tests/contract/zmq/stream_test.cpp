@@ -87,24 +87,11 @@ TEST(Publisher, SendsASubscriberItsTopicsOnly) {
   Publisher publisher = publisher_at(endpoint, 10);
   Subscriber subscriber = subscriber_at(endpoint, {"event", "status"}, 10);
   settle(publisher, subscriber, "event");
-  publisher.send("wavefront", "1");
-  publisher.send("status", "2");
-  const auto first = subscriber.receive(5000ms);
-  ASSERT_TRUE(first);
-  EXPECT_EQ(first->json, "2");
-  EXPECT_FALSE(subscriber.receive(50ms));
-}
-
-TEST(Publisher, SendsNoTopicThatMerelyBeginsLikeASubscribedOne) {
-  const auto endpoint = test::ipc_endpoint("prefix");
-  Publisher publisher = publisher_at(endpoint, 10);
-  Subscriber subscriber = subscriber_at(endpoint, {"wavefront"}, 10);
-  settle(publisher, subscriber, "wavefront");
-  for (const char* topic : {"wavefront.b", "wavefront", "wavefront.c"})
+  for (const char* topic : {"wavefront", "status.b", "status", "status.c"})  // some begin alike
     publisher.send(topic, topic);
   const auto message = subscriber.receive(5000ms);
   ASSERT_TRUE(message);
-  EXPECT_EQ(message->json, "wavefront");
+  EXPECT_EQ(message->json, "status");
   EXPECT_FALSE(subscriber.receive(50ms));
 }
 
