@@ -15,7 +15,7 @@
 #include "core/pipeline/verdict.hpp"
 #include "core/spots/point_model.hpp"
 #include "core/tracking/acquisition.hpp"
-#include "daemon/ovwsd/sensor/refined_modes.hpp"
+#include "daemon/ovwsd/fitter/refined_modes.hpp"
 #include "proto/tables/sensor.hpp"
 
 namespace ovws::cli {

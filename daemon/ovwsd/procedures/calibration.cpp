@@ -8,10 +8,10 @@
 #include "core/optics/lattice.hpp"
 #include "core/port/clock.hpp"
 #include "core/wavefront/matrix_comparison.hpp"
+#include "daemon/ovwsd/fitter/spots_model.hpp"
 #include "daemon/ovwsd/layout/mode_operators.hpp"
 #include "daemon/ovwsd/procedures/pokes.hpp"
 #include "daemon/ovwsd/sensor/plan_builder.hpp"
-#include "daemon/ovwsd/sensor/spots_model.hpp"
 
 namespace ovws {
 namespace {

@@ -9,10 +9,10 @@
 #include "core/optics/lattice.hpp"
 #include "core/port/clock.hpp"
 #include "core/spots/wavefront_fit.hpp"
+#include "daemon/ovwsd/fitter/spots_model.hpp"
 #include "daemon/ovwsd/layout/mode_operators.hpp"
 #include "daemon/ovwsd/procedures/measurements.hpp"
 #include "daemon/ovwsd/procedures/probes.hpp"
-#include "daemon/ovwsd/sensor/spots_model.hpp"
 
 namespace ovws {
 namespace {

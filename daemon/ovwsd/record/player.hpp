@@ -10,7 +10,7 @@
 
 #include "config/config.hpp"
 #include "core/base/result.hpp"
-#include "daemon/ovwsd/refine/refine_model.hpp"
+#include "daemon/ovwsd/fitter/refine_model.hpp"
 #include "drivers/replay/recording_reader.hpp"
 
 namespace ovws {

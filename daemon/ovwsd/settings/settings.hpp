@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "daemon/ovwsd/camera/camera_actor.hpp"
-#include "daemon/ovwsd/refine/live_refiner.hpp"
+#include "daemon/ovwsd/fitter/live_refiner.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "daemon/ovwsd/settings/saved_config.hpp"
 #include "daemon/ovwsd/slm/slm_loop.hpp"

@@ -10,10 +10,10 @@
 #include "core/optics/noise.hpp"
 #include "core/optics/sensor_model.hpp"
 #include "core/wavefront/reconstructor.hpp"
+#include "daemon/ovwsd/fitter/refine_model.hpp"
+#include "daemon/ovwsd/fitter/refined_modes.hpp"
 #include "daemon/ovwsd/frames/frame_copy.hpp"
 #include "daemon/ovwsd/library/reference_image.hpp"
-#include "daemon/ovwsd/refine/refine_model.hpp"
-#include "daemon/ovwsd/sensor/refined_modes.hpp"
 
 namespace ovws {
 namespace {

@@ -1,5 +1,5 @@
 /// The schedule of image searches, tested with injected time; and when templates have drifted.
-#include "daemon/ovwsd/sensor/search_policy.hpp"
+#include "daemon/ovwsd/fitter/search_policy.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "daemon/ovwsd/sensor/refined_modes.hpp"
+#include "daemon/ovwsd/fitter/refined_modes.hpp"
 
 #include <spdlog/fmt/fmt.h>
 

@@ -1,4 +1,4 @@
-#include "daemon/ovwsd/sensor/search_policy.hpp"
+#include "daemon/ovwsd/fitter/search_policy.hpp"
 
 #include <algorithm>
 

@@ -1,10 +1,10 @@
-#include "daemon/ovwsd/refine/refine_model.hpp"
+#include "daemon/ovwsd/fitter/refine_model.hpp"
 
 #include <cmath>
 #include <utility>
 
 #include "core/port/clock.hpp"
-#include "daemon/ovwsd/sensor/spots_model.hpp"
+#include "daemon/ovwsd/fitter/spots_model.hpp"
 
 namespace ovws {
 namespace {

@@ -17,8 +17,8 @@
 #include "core/spots/frame_fit.hpp"
 #include "core/tracking/binned_image.hpp"
 #include "daemon/ovwsd/actor/events.hpp"
+#include "daemon/ovwsd/fitter/search_policy.hpp"
 #include "daemon/ovwsd/frames/frame_copy.hpp"
-#include "daemon/ovwsd/sensor/search_policy.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "daemon/ovwsd/sensor/validity_watch.hpp"
 

@@ -1,4 +1,4 @@
-#include "daemon/ovwsd/sensor/spots_model.hpp"
+#include "daemon/ovwsd/fitter/spots_model.hpp"
 
 #include <algorithm>
 #include <utility>

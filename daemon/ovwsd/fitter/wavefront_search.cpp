@@ -1,4 +1,4 @@
-#include "daemon/ovwsd/sensor/wavefront_search.hpp"
+#include "daemon/ovwsd/fitter/wavefront_search.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/port/clock.hpp"
+#include "daemon/ovwsd/fitter/spots_model.hpp"
 #include "daemon/ovwsd/sensor/plan_builder.hpp"
-#include "daemon/ovwsd/sensor/spots_model.hpp"
 
 namespace ovws {
 namespace {

@@ -9,8 +9,8 @@
 
 #include "core/control/refine_settings.hpp"
 #include "core/optics/geometry.hpp"
+#include "daemon/ovwsd/fitter/refined_modes.hpp"
 #include "daemon/ovwsd/frames/frame_copy.hpp"
-#include "daemon/ovwsd/sensor/refined_modes.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 
 namespace ovws {

@@ -1,4 +1,4 @@
-#include "daemon/ovwsd/refine/live_refiner.hpp"
+#include "daemon/ovwsd/fitter/live_refiner.hpp"
 
 #include <spdlog/fmt/fmt.h>
 
