@@ -18,6 +18,8 @@ using std::chrono::milliseconds;
 constexpr std::size_t kMaxHeadBytes = 8 * 1024;
 constexpr milliseconds kRequestTimeout{5000};
 constexpr milliseconds kWriteTimeout{10'000};
+/// For messages: a page that computes, or whose computer sleeps for a moment, does not read.
+constexpr milliseconds kStreamTimeout{60'000};
 constexpr milliseconds kPollInterval{5};   ///< polls the board
 constexpr milliseconds kSendInterval{33};  ///< minimum interval of messages to a browser
 /// Socket send buffer. Small, because messages that wait there for a slow browser become stale.
@@ -186,7 +188,7 @@ Task<void> Session::pump(Right right) {
     if (!packets.empty()) {
       std::vector<net::const_buffer> buffers;
       for (const PacketPtr& packet : packets) buffers.emplace_back(net::buffer(packet->bytes));
-      connection_.expires_after(kWriteTimeout);
+      connection_.expires_after(kStreamTimeout);
       co_await net::async_write(connection_, http::make_chunk(buffers), net::use_awaitable);
     }
     co_await timer.async_wait(net::use_awaitable);
