@@ -78,7 +78,6 @@ constexpr Integers kJob{1, 2147483647};
 constexpr Integers kSweepFrames{2, 1000};  ///< frames of a sweep's cell, or of its reference
 constexpr std::size_t kSweepGains = 64, kSweepAberrations = 16, kSweepArms = 16;  ///< at most
 constexpr std::size_t kSweepImages = 8;  ///< gains with an image of each charge
-constexpr Integers kSweepCell{0, 16383};
 
 constexpr Numbers kRefineRateHz{0.001, 100.0};
 constexpr Numbers kElectronsPerDn{1e-6, 1e6};

@@ -50,7 +50,6 @@ struct StatusMessage {
     /// Why spots lie outside the camera's region or too close together for the tracker; encoded as
     /// null if empty.
     std::string layout_fault;
-    std::vector<int> torn;  ///< kept for older clients: always empty
     /// Why no frame is valid although frames are settled, or why the reference is not used.
     struct Invalid {
       std::int64_t t_since_ns = 0;  ///< UTC

@@ -20,7 +20,6 @@ struct RefineSetup {
   double black_level_dn = 0.0;
   std::optional<double> saturation_dn;  ///< from 90 % of it on pixels are ignored; none: full scale
   PixelFormat format = PixelFormat::mono8;  ///< pixel format of all values in DN
-  bool spot_amplitudes = false;  ///< kept for older clients: amplitudes are always fitted
 
   friend bool operator==(const RefineSetup&, const RefineSetup&) = default;
 };

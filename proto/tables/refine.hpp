@@ -21,9 +21,7 @@ inline constexpr auto kTable<RefineSetup> = Fields{
     field<&RefineSetup::black_level_dn>("level of a dark pixel, DN", limits::kBlackLevelDn),
     field<&RefineSetup::saturation_dn>(
         "pixels at or above this level are not used, DN; null: the full scale of the pixel format",
-        limits::kSaturationDn),
-    field<&RefineSetup::spot_amplitudes>(
-        "kept for older clients: the amplitude of each subaperture is always fitted")};
+        limits::kSaturationDn)};
 
 /// Result of `refine.get`. Values in DN refer to the pixel format that the result states.
 struct RefineReport {

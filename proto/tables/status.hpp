@@ -93,7 +93,6 @@ inline constexpr auto kTable<StatusMessage::SensorPart> = [] {
       field<&P::layout_fault>("why spots lie outside the camera's region or too close for the "
                               "tracker, with values that work; null: no fault")
           .or_null(),
-      field<&P::torn>("kept for older clients: always empty", Bounds::at_least(0)),
       field<&P::invalid>("why no frame is valid although settled frames come, or why the reference "
                          "is not used; null: frames are valid, or another field says why not"),
       field<&P::beams>("the further light sources on the camera")};

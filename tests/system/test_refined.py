@@ -68,7 +68,7 @@ class Refined(RefinedCase):
         self.assertFalse(before["enabled"])
         for params, field, words in (({"enabled": True}, "electrons_per_dn", "set the number of electrons"),
                                      ({"enabled": 1}, "enabled", "true or false"),
-                                     ({"rate_hz": 2.0, "spot_amplitudes": None}, "spot_amplitudes", "true or false"),
+                                     ({"rate_hz": 2.0, "enabled": None}, "enabled", "true or false"),
                                      ({"rate_hz": 0}, "rate_hz", "0.001"),
                                      ({"electrons_per_dn": -1}, "electrons_per_dn", "1000000"),
                                      ({"rate_hz": 2.0, "saturation_dn": 300}, "saturation_dn", "255"),
@@ -118,7 +118,7 @@ class UnevenLight(RefinedCase):
 
     def test_fitted_amplitudes_explain_it(self):
         hologram_id = self.call("aberration.set", {"modes": MODES})["hologram_id"]
-        self.assertTrue(self.enable(rate_hz=5.0, spot_amplitudes=True)["spot_amplitudes"])
+        self.enable(rate_hz=5.0)
         # The first may have started before the change.
         found = [self.next_refined(lambda m: m["hologram_id"] == hologram_id and m["valid"]) for _ in range(1 + FITS)][1:]
         chi2 = statistics.fmean(message["chi2_per_pixel"] for message in found)
@@ -129,7 +129,7 @@ class UnevenLight(RefinedCase):
         self.assertLess(chi2, 2.0)
         self.assertLess(error, 0.003)
         self.call("config.save")
-        self.assertTrue(self.call("config.get")["refine"]["spot_amplitudes"])
+        self.assertTrue(self.call("config.get")["refine"]["enabled"])
 
 
 if __name__ == "__main__":

@@ -108,7 +108,6 @@ json image_line(const Page& page, const Config& config, const Measurement& measu
   line["file"] = page.file;
   line["page"] = page.number + 1;
   line["spots"] = spots_of(measured);
-  line["torn"] = json::array();
   line["operator"] = wire_name(config.tracking.mode_operator);
   put_fields(line, measured.mode_operator);
   return line;

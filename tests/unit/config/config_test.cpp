@@ -94,7 +94,6 @@ Config random_config(unsigned seed) {
   c.refine.read_noise_e = dice.number(limits::kReadNoiseE);
   c.refine.black_level_dn = dice.number({0.0, 100.0});
   if (dice.coin()) c.refine.saturation_dn = dice.number({101.0, 255.0});
-  c.refine.spot_amplitudes = dice.coin();
   if (dice.coin()) c.security = {dice.text(), dice.text()};
   c.stream = {"tcp://*:1", "ipc:///tmp/" + std::to_string(seed), dice.number(limits::kImageRateHz)};
   c.control.endpoint = "tcp://[::1]:2";
@@ -244,7 +243,6 @@ TEST(ParseConfig, RefusesInvalidSettingsOfTheRefinement) {
   EXPECT_EQ(error_of(R"({"refine": {"electrons_per_dn": "39"}})").field, "refine.electrons_per_dn");
   EXPECT_EQ(error_of(R"({"refine": {"electron_per_dn": 39}})").nearest, "electrons_per_dn");
   EXPECT_EQ(error_of(R"({"refine": {"saturation_dn": 256}})").field, "refine.saturation_dn");
-  EXPECT_EQ(error_of(R"({"refine": {"spot_amplitudes": 1}})").field, "refine.spot_amplitudes");
   const auto deep =
       parse_config(R"({"refine": {"saturation_dn": 4000}, "camera": {"pixel_format": "Mono12"}})");
   ASSERT_TRUE(deep) << deep.error().reason;

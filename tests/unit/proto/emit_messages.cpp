@@ -377,7 +377,7 @@ void print_all_params() {
       {"charge", "grid", "subapertures_across", "pupil_diameter_px", "grooves", "spacing",
        "alternate_charge", "charges", "tracker", "operator", "mode_count", "estimates"});
   print_params<RefineSet>("refine.set", {"enabled", "rate_hz", "electrons_per_dn", "read_noise_e",
-                                         "black_level_dn", "saturation_dn", "spot_amplitudes"});
+                                         "black_level_dn", "saturation_dn"});
   print_result("record.estimate", to_json(RecordSize{}));
   print_params<RecordEstimate>("record.estimate", {"pictures_every", "pictures"});
   print_params<RecordStart>("record.start",

@@ -97,11 +97,9 @@ TEST(RefineSetRequest, LeavesWhatIsAbsentAndDistinguishesNullFromAbsent) {
   before.electrons_per_dn = 40.0;
   before.saturation_dn = 250.0;
   const auto set =
-      RefineSet::decode(json::parse(R"({"enabled": true, "rate_hz": 2, "saturation_dn": null,
-                                        "spot_amplitudes": true})"));
+      RefineSet::decode(json::parse(R"({"enabled": true, "rate_hz": 2, "saturation_dn": null})"));
   ASSERT_TRUE(set);
   const RefineSetup after = set->applied_to(before);
-  EXPECT_TRUE(after.spot_amplitudes);
   EXPECT_TRUE(after.enabled);
   EXPECT_EQ(after.rate_hz, 2.0);
   EXPECT_EQ(after.electrons_per_dn, 40.0);
@@ -112,14 +110,12 @@ TEST(RefineSetRequest, LeavesWhatIsAbsentAndDistinguishesNullFromAbsent) {
 TEST(RefineSetup, FollowsTheFormatWithTheFitAsItIs) {
   RefineSetup setup;
   setup.black_level_dn = 2.0;
-  setup.spot_amplitudes = true;
   const RefineSetup deep = in_format(setup, PixelFormat::mono12);
   EXPECT_EQ(deep.black_level_dn, 32.0);
-  EXPECT_TRUE(deep.spot_amplitudes);
   RefineSetup other = deep;
   other.rate_hz = 7.0;
   EXPECT_TRUE(same_fit(deep, other));
-  other.spot_amplitudes = false;
+  other.read_noise_e = 7.0;
   EXPECT_FALSE(same_fit(deep, other));
   EXPECT_FALSE(deep == other);
 }
@@ -130,7 +126,6 @@ TEST(RefineSetRequest, RefusesOrClampsNumbersOutOfRange) {
   EXPECT_EQ(error_of(RefineSet::decode({{"electrons_per_dn", 0}})).field, "electrons_per_dn");
   EXPECT_EQ(error_of(RefineSet::decode({{"read_noise_e", -1}})).field, "read_noise_e");
   EXPECT_EQ(error_of(RefineSet::decode({{"enabled", "yes"}})).field, "enabled");
-  EXPECT_EQ(error_of(RefineSet::decode({{"spot_amplitudes", 1}})).field, "spot_amplitudes");
   EXPECT_EQ(error_of(RefineSet::decode({{"rate", 1}})).nearest, "rate_hz");
   const auto clamped =
       RefineSet::decode({{"rate_hz", 1e6}, {"saturation_dn", 4095}, {"clamp", true}});
