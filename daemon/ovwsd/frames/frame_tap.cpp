@@ -65,7 +65,7 @@ void FrameTaps::Line::change(List next) {
   list_ = std::move(list);
 }
 
-FrameTap::FrameTap(FrameTaps& taps, Needs needs, int frames, Take take)
+FrameTap::FrameTap(FrameTaps& taps, Needs needs, std::int64_t frames, Take take)
     : line_(taps.line_for(needs)),
       frames_(frames),
       take_(std::move(take)),

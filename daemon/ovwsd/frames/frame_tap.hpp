@@ -75,17 +75,18 @@ class FrameTap {
   /// thread calls it. With Needs::numbers it must neither block nor allocate, because the publish
   /// thread is on the frame path.
   using Take = std::function<bool(const FrameRecord&)>;
-  static constexpr int kEndless = std::numeric_limits<int>::max();
+  /// 64 bits: the daemon runs for months, and cameras send thousands of frames per second.
+  static constexpr std::int64_t kEndless = std::numeric_limits<std::int64_t>::max();
 
   /// Opens a tap for `frames` frames (at least 1). `taps` must outlive it.
-  FrameTap(FrameTaps& taps, Needs needs, int frames, Take take);
+  FrameTap(FrameTaps& taps, Needs needs, std::int64_t frames, Take take);
   ~FrameTap() { close(); }
   FrameTap(const FrameTap&) = delete;
   FrameTap& operator=(const FrameTap&) = delete;
   /// `take` is not called any more after this has returned. Do not call it in `take`.
   void close() { line_.remove(this); }
 
-  int used() const { return used_.load(); }
+  std::int64_t used() const { return used_.load(); }
   bool done() const { return used() >= frames_; }
   /// Waits until all frames are used, for `timeout` at most. Returns whether all are used.
   bool wait_for(std::chrono::milliseconds timeout);
@@ -97,9 +98,9 @@ class FrameTap {
   void look_at(const FrameRecord& record);
 
   FrameTaps::Line& line_;
-  const int frames_;
+  const std::int64_t frames_;
   const Take take_;
-  std::atomic<int> used_{0};
+  std::atomic<std::int64_t> used_{0};
   std::atomic<std::int64_t> t_last_used_ns_;
   SpscRing<bool> all_used_{1};  ///< wakes wait_for
 };

@@ -188,7 +188,7 @@ void Bench::restore_camera() {
 Result<void> Bench::wait_watching(const FrameTap& watch, double min_ms, int frames) {
   const std::int64_t begin_ns = monotonic_ns();
   const double patient_s = patience_s(camera().settings);
-  const int enough = watch.used() + frames;
+  const std::int64_t enough = watch.used() + frames;
   while (1e-6 * double(monotonic_ns() - begin_ns) < min_ms || watch.used() < enough) {
     if (stopped()) return fail(stopped_error());
     if (watch.idle_s() > patient_s) return fail(no_frame(patient_s));
