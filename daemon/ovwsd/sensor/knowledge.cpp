@@ -123,6 +123,7 @@ std::string missing_calibration_reason(const SensorState& state, const Knowledge
 void add_references(Knowledge& knowledge, const Shared<Reference>& more) {
   auto& all = knowledge.references;
   all.insert(all.end(), more.begin(), more.end());
+  while (all.size() > kReferenceItems.most) all.erase(all.begin());
   for (std::size_t i = 0; i + kMaxImages < all.size(); ++i) {
     if (!all[i]->picture) continue;
     auto without = std::make_shared<Reference>(*all[i]);

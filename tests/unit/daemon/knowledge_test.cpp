@@ -97,6 +97,15 @@ TEST_F(Known, AReferenceIsOfItsSensorTrackingAndRegion) {
   EXPECT_TRUE(found()) << "no position depends on it";
 }
 
+TEST_F(Known, NoMoreReferencesAreKeptThanOnTheDisk) {
+  for (int k = 0; k <= int(kReferenceItems.most); ++k) {
+    state_.roi.x = 16 * k;
+    replace(taken(k));
+  }
+  EXPECT_EQ(known_.references.size(), kReferenceItems.most);
+  EXPECT_EQ(known_.references[0]->t_taken_ns, 1);
+}
+
 TEST_F(Known, AReferenceOfAnArrayThatWasFoundElsewhereSaysSo) {
   state_.sensor.lenslets.centres_px = {{10.0, 10.0}, {30.0, 10.0}};
   const SensorState before = state_;
