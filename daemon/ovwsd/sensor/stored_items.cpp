@@ -65,7 +65,8 @@ std::function<Judgement(T&)> judge(respect::Set respects, const BenchKey& now) {
   };
 }
 
-/// Checks those that have waited for this LUT and flatness, and uses them. Whether there are any.
+/// Checks those that have waited for this LUT and flatness: each is used from now on, or dropped.
+/// Whether there were any.
 template <class T>
 bool use_waiting(Shared<T>& all, const BenchKey& now, const ActiveSlm& slm,
                  const SensorBench& bench) {
@@ -79,7 +80,7 @@ bool use_waiting(Shared<T>& all, const BenchKey& now, const ActiveSlm& slm,
     const std::string obstacle = drawing_obstacle(*checked, slm, bench.config);
     bench.library.publish_loaded(ItemOf<T>::kKind, ItemOf<T>::name(*one), one->t_taken_ns,
                                  obstacle);
-    found = found || obstacle.empty();
+    found = true;
     one = obstacle.empty() ? std::move(checked) : nullptr;
   }
   std::erase(all, nullptr);
