@@ -78,12 +78,21 @@ void Library::displace(Stored done, bool succeeds) {
                : fail(Errc::refused, "", "a newer request replaced it before it was carried out"));
 }
 
-/// Counts the file as the newest one of its kind, and returns all files of this kind.
-Library::Files& Library::count_file(const Key& key, std::int64_t t_taken_ns) {
+/// Counts the file as the newest one of its kind. Returns the names of the oldest ones if there are
+/// more than `most` (0: no limit), and counts them no more.
+std::vector<std::string> Library::count_file(const Key& key, std::int64_t t_taken_ns,
+                                             std::size_t most) {
   Files& files = files_[key.first];
   std::erase_if(files, [&](const auto& one) { return one.second == key.second; });
   files.emplace_back(t_taken_ns, key.second);
-  return files;
+  std::vector<std::string> too_many;
+  while (most > 0 && files.size() > most) {
+    // The newest file stays even if the clock was set back.
+    const auto oldest = std::min_element(files.begin(), std::prev(files.end()));
+    too_many.push_back(oldest->second);
+    files.erase(oldest);
+  }
+  return too_many;
 }
 
 /// An item beyond the memory limit is refused; the outdated file is then still set aside.
@@ -104,13 +113,10 @@ void Library::put(Item item, Stored stored) {
     const std::lock_guard lock(mutex_);
     std::size_t bytes = work.bytes();
     for (const auto& [other, one] : queue_) bytes += other == key ? 0 : one.bytes();
-    if (bytes > kMaxQueuedBytes) std::swap(refused, work);
-    auto& files = count_file(key, (work.item ? work : refused).item->t_taken_ns);
-    while (kind.most > 0 && files.size() > kind.most) {
-      // The newest file stays even if the clock was set back.
-      const auto oldest = std::min_element(files.begin(), std::prev(files.end()));
-      too_many.push_back(oldest->second);
-      files.erase(oldest);
+    if (bytes > kMaxQueuedBytes) {
+      std::swap(refused, work);
+    } else {
+      too_many = count_file(key, work.item->t_taken_ns, kind.most);
     }
     sums_.erase(key);
     add(key, std::move(work));
@@ -200,7 +206,7 @@ bool Library::turn() {
   if (!work.removes && (done || !work.why)) publish(work, done);
   if (work.done) work.done(done);
   if (all_written) {
-    events_.emit("store", Severity::info, "all waiting items have been written",
+    events_.emit("store", Severity::info, "no item waits to be written any more",
                  {{"path", *directory_}});
   }
   return more;
@@ -333,7 +339,7 @@ void Library::load(const ItemKind& kind,
     if (taken) {
       const auto t_taken_ns = item->content.find("t_taken_ns");
       const bool timed = t_taken_ns != item->content.end() && t_taken_ns->is_number_integer();
-      (void)count_file({kind.name, name}, timed ? t_taken_ns->get<std::int64_t>() : 0);
+      (void)count_file({kind.name, name}, timed ? t_taken_ns->get<std::int64_t>() : 0, 0);
       continue;
     }
     sums_.erase({kind.name, name});

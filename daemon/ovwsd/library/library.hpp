@@ -116,7 +116,8 @@ class Library {
   using Files = std::vector<std::pair<std::int64_t, std::string>>;  ///< time and name
   void add(const Key& key, Work work);                              // call with mutex_ locked
   void displace(Stored done, bool succeeds);                        // call with mutex_ locked
-  Files& count_file(const Key& key, std::int64_t t_taken_ns);       // call with mutex_ locked
+  // Call with mutex_ locked.
+  std::vector<std::string> count_file(const Key& key, std::int64_t t_taken_ns, std::size_t most);
   void wake();
   Result<std::string> carry_out(const Key& key, const Work& work);
   Result<std::string> write(const Key& key, const Work& work);

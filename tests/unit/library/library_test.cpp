@@ -214,16 +214,19 @@ TEST_F(Items, WhatIsRemovedIsNotWrittenAfterAll) {
   EXPECT_EQ(value("a"), json());
 }
 
-TEST_F(Items, MoreThanItsMemoryIsNotKept) {
-  Answers large, more;
-  block("kind.large.json");
+TEST_F(Items, MoreThanItsMemoryIsNotKeptAndTakesNoOthersPlace) {
+  constexpr ItemKind kTwo{"two", "two", "item", "item.measure", 2};
+  Answers a, large, more;
+  library_.put(item("a", 1, kTwo), a.stored());
+  block("two.large.json");
   const std::string text(Library::kMaxQueuedBytes - 4096, 'x');
-  library_.put(item("large", text), large.stored());
+  library_.put(item("large", text, kTwo), large.stored());
   EXPECT_EQ(large.refused, 1);
-  library_.put(item("more", std::string(8192, 'x')), more.stored());
+  library_.put(item("more", std::string(8192, 'x'), kTwo), more.stored());
   EXPECT_EQ(more.refused, 1);
   EXPECT_NE(more.why.find("MiB already wait to be written"), std::string::npos);
   EXPECT_EQ(library_.queued(), 1);
+  EXPECT_TRUE(library_.read(kTwo, "a"));
 }
 
 TEST_F(Items, AnOutdatedItemIsNotLoadedEvenIfTheNewOneIsTooLarge) {
