@@ -84,6 +84,7 @@ class Advice(unittest.TestCase):
         configured = advice["configured"]
         self.assertEqual((configured["subapertures"], configured["charge"], configured["warning"]), (19, 1, None))
         self.assertAlmostEqual(configured["error_waves"], best["error_waves"], delta=0.1 * best["error_waves"])
+        self.assertTrue(self.advise("--modes", "44", "--photons", "1e8", "--camera", "imx252")["best_first"])
 
     def test_the_configurations_own_sensor_is_never_left_out(self):
         config = json.loads(subprocess.run([bench_module.find_programs() / "ovwsd", "--check-config"], capture_output=True, text=True,

@@ -28,15 +28,7 @@ struct AdviseOptions {
 Result<design::Bench> bench_of(const Config& config, const AdviseOptions& options) {
   design::Bench bench = design::bench_of(config);
   if (!options.camera.empty()) {
-    DesignOptions parts;
-    parts.camera = options.camera;
-    parts.pixel_format = pixel_format_name(config.camera.settings.pixel_format);
-    const auto with = bench_of(parts);
-    if (!with) return fail(with.error());
-    bench.sensor_width = with->sensor_width;
-    bench.sensor_height = with->sensor_height;
-    bench.camera_pitch_um = with->camera_pitch_um;
-    bench.pixel_format = with->pixel_format;
+    if (auto set = set_camera(bench, options.camera); !set) return fail(set.error());
   }
   bench.modes = options.modes;
   return bench;

@@ -47,6 +47,17 @@ inline void to_json(Json& out, const Finding& finding) {
 namespace ovws::cli {
 namespace {
 
+struct DesignOptions {
+  std::string slm, camera;  ///< the name of a model, or "WIDTHxHEIGHT@PITCH"
+  design::Bench bench;      ///< without slm and camera
+  std::string pixel_format = "Mono8";
+  std::string config_path;  ///< configuration whose other keys are kept; empty: the defaults
+  std::string output;       ///< configuration to write; empty: none
+  std::string farfield;     ///< PNG to write; empty: none
+  bool replace = false;
+  bool list = false;
+};
+
 struct Panel {
   int width = 0, height = 0;
   double pitch_um = 0.0;
@@ -105,20 +116,15 @@ Result<void> set_slm(design::Bench& bench, const std::string& text) {
   return {};
 }
 
-Result<void> set_camera(design::Bench& bench, const std::string& text) {
-  const auto& models = known_devices().cameras;
-  std::optional<Panel> panel = parse_panel(text);
-  if (const CameraModel* model = find_model(models, text)) {
-    panel = {model->width, model->height, model->pitch_um};
-  }
-  if (!panel) return fail(unknown_model("--camera", models, text));
-  constexpr limits::Integers kSize{64, limits::kRoiSize.max};
-  const auto valid = in_range("--camera", *panel, kSize, limits::kCameraPitchUm);
-  if (!valid) return fail(valid.error());
-  bench.sensor_width = valid->width;
-  bench.sensor_height = valid->height;
-  bench.camera_pitch_um = valid->pitch_um;
-  return {};
+/// The bench with its SLM, camera and pixel format.
+Result<design::Bench> bench_of(const DesignOptions& options) {
+  design::Bench bench = options.bench;
+  if (auto set = set_slm(bench, options.slm); !set) return fail(set.error());
+  if (auto set = set_camera(bench, options.camera); !set) return fail(set.error());
+  const auto& formats = kNames<PixelFormat>();
+  bench.pixel_format = PixelFormat(std::find(formats.begin(), formats.end(), options.pixel_format) -
+                                   formats.begin());
+  return bench;
 }
 
 int list_models(const Common& common) {
@@ -266,14 +272,20 @@ void add_bench_options(CLI::App& command, DesignOptions& options) {
 
 }  // namespace
 
-Result<design::Bench> bench_of(const DesignOptions& options) {
-  design::Bench bench = options.bench;
-  if (auto set = set_slm(bench, options.slm); !set) return fail(set.error());
-  if (auto set = set_camera(bench, options.camera); !set) return fail(set.error());
-  const auto& formats = kNames<PixelFormat>();
-  bench.pixel_format = PixelFormat(std::find(formats.begin(), formats.end(), options.pixel_format) -
-                                   formats.begin());
-  return bench;
+Result<void> set_camera(design::Bench& bench, const std::string& text) {
+  const auto& models = known_devices().cameras;
+  std::optional<Panel> panel = parse_panel(text);
+  if (const CameraModel* model = find_model(models, text)) {
+    panel = {model->width, model->height, model->pitch_um};
+  }
+  if (!panel) return fail(unknown_model("--camera", models, text));
+  constexpr limits::Integers kSize{64, limits::kRoiSize.max};
+  const auto valid = in_range("--camera", *panel, kSize, limits::kCameraPitchUm);
+  if (!valid) return fail(valid.error());
+  bench.sensor_width = valid->width;
+  bench.sensor_height = valid->height;
+  bench.camera_pitch_um = valid->pitch_um;
+  return {};
 }
 
 void add_design(CLI::App& app, const Common& common, int& status) {
