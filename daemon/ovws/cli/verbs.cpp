@@ -73,7 +73,7 @@ tl::expected<json, CallFailure> end_of_recording(const Common& common,
                                                  std::optional<double> duration_s) {
   catch_interrupts();
   while (!was_interrupted()) {
-    auto report = call(common, "record.get", json::object());
+    auto report = call_patiently(common, "record.get", json::object());
     if (!report || report->at("state") != "recording") return report;
     const double passed_s = report->at("duration_s").get<double>();
     std::string text = fmt::format("recording: {}, {} frames, {}", time_text(std::round(passed_s)),
@@ -85,7 +85,7 @@ tl::expected<json, CallFailure> end_of_recording(const Common& common,
     study::print_progress(text + "; Ctrl-C stops");
     std::this_thread::sleep_for(kPollInterval);
   }
-  auto stopped = call(common, "record.stop", json::object());
+  auto stopped = call_patiently(common, "record.stop", json::object());
   // Refused: the recording has ended by itself meanwhile.
   return stopped ? stopped : call(common, "record.get", json::object());
 }
