@@ -20,7 +20,7 @@ REAL = {
 IMPOSSIBLE = [
     ("--slm holoeye-pluto-2 --camera imx287 --focal-length 1000 --modes 18", "region", "--focal-length"),
     ("--slm holoeye-lc-r2500 --camera python5000 --focal-length 30", "scale", "--focal-length"),
-    ("--slm 400x300@20 --camera imx252 --focal-length 50 --modes 40 --charge 0", "orders", "--modes"),
+    ("--slm 400x300@20 --camera imx252 --focal-length 50 --modes 40 --charge 0", "orders", "--modes 28"),
     ("--slm holoeye-pluto-2 --camera imx252 --focal-length 50 --beam 0.5", "beam", "--beam"),
     ("--slm holoeye-gaea --camera imx252 --modes 500", "modes", "--modes"),
     ("--slm 1272x1024@12.5 --camera imx265 --focal-length 300 --wavelength 532 --beam 10 --modes 60", "orders", "--modes 46"),

@@ -116,7 +116,7 @@ Change more_by_shapes(Bench fewer, int wanted, const Config& base) {
 
 std::optional<Change> fewer_modes(const Bench& bench, const Config& base) {
   if (!bench.modes) return std::nullopt;
-  for (int across = limits::kSubaperturesAcross.max; across >= 3; across -= 2) {
+  for (int across = kMostAcross; across >= kLeastAcross; across -= 2) {
     Bench changed = bench;
     changed.modes = optimal_mode_count(across);
     if (*changed.modes >= *bench.modes || !works(changed, base)) continue;

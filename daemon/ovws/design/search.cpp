@@ -7,14 +7,10 @@
 
 #include "core/optics/zernike.hpp"
 #include "daemon/ovws/design/attempt.hpp"
-#include "proto/limits.hpp"
 
 namespace ovws::design {
 namespace {
 
-// Odd numbers only: with an even one, half a subaperture is left free at the pupil's edge.
-constexpr int kLeastAcross = 3;
-constexpr int kMostAcross = (limits::kSubaperturesAcross.max - 1) / 2 * 2 + 1;
 constexpr int kMoreTries = 2;  ///< larger numbers that are tried, too
 
 /// The smallest number whose spots' positions determine the modes.

@@ -3,11 +3,16 @@
 #pragma once
 
 #include "daemon/ovws/design/design.hpp"
+#include "proto/limits.hpp"
 
 namespace ovws::design {
 
 /// Subapertures across, unless modes are asked for or they do not work.
 constexpr int kUsualAcross = 5;
+/// Limits of what is designed. Odd numbers only: with an even one, half a subaperture is left free
+/// at the pupil's edge.
+constexpr int kLeastAcross = 3;
+constexpr int kMostAcross = (limits::kSubaperturesAcross.max - 1) / 2 * 2 + 1;
 
 /// About the largest number of modes that the shapes of the vortices may determine: 2.5 for each,
 /// in a lattice with 3/4 of the square of its number across.
