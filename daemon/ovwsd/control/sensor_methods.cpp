@@ -133,43 +133,11 @@ KnownCalibration calibration_of(const Services& services, const SensorSnapshot& 
                             {*c.origin}}};
 }
 
-/// Emits a warning event if the calibration lacks spots or modes. It is usable, but aberration in a
-/// missing mode appears as other modes.
-void warn_of_dropped(Bench& bench, const InteractionMatrix& matrix) {
-  std::vector<int> dropped_j;
-  for (const DroppedMode& mode : matrix.dropped) dropped_j.push_back(mode.j);
-  if (dropped_j.empty() && matrix.lost_spots.empty()) return;
-  std::string text = "the calibration";
-  if (!matrix.lost_spots.empty()) {
-    text += fmt::format(" lacks spots {}", listed_spots(matrix.lost_spots));
-  }
-  if (!dropped_j.empty()) {
-    text += fmt::format(
-        "{} does not measure modes j = {} ({}): their aberration appears as other modes",
-        matrix.lost_spots.empty() ? "" : " and", listed_spots(dropped_j), matrix.dropped[0].reason);
-  }
-  bench.warn("calibration", text,
-             {{"lost_spots", matrix.lost_spots}, {"dropped_modes", dropped_j}});
-}
-
-void warn_of_unsteady(Bench& bench, const std::vector<int>& modes_j) {
-  if (modes_j.empty()) return;
-  bench.warn("calibration",
-             fmt::format("the response to modes j = {} differed by more than 2 % each time they "
-                         "were poked: let the bench settle, check slm.settle_ms by slm.settle, "
-                         "and calibrate again with more frames",
-                         listed_spots(modes_j)),
-             {{"unsteady_modes", modes_j}});
-}
-
 Result<Json> calibrate(const Services& services, Bench& bench, const CalibrationRun& run) {
   const std::uint64_t epoch = bench.sensor()->sensor_epoch;
   const auto measured = measure_calibration(bench, run);
   if (!measured) return fail(measured.error());
-  auto result = use<calibration_of>(services, bench, use_calibration(epoch, *measured));
-  if (result) warn_of_dropped(bench, measured->matrix);
-  if (result) warn_of_unsteady(bench, measured->unsteady_j);
-  return result;
+  return use<calibration_of>(services, bench, use_calibration(epoch, *measured));
 }
 
 void give(Services& services, const CalibrationSet& given, std::string matrix,

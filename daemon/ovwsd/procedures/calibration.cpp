@@ -127,6 +127,35 @@ std::shared_ptr<const MeasuredShapes> shapes_of(const SpotMeter& meter,
   return std::make_shared<const MeasuredShapes>(std::move(shapes));
 }
 
+/// Emits a warning event if the calibration lacks spots or modes. It is usable, but aberration in a
+/// missing mode appears as other modes.
+void warn_of_dropped(Bench& bench, const InteractionMatrix& matrix) {
+  std::vector<int> dropped_j;
+  for (const DroppedMode& mode : matrix.dropped) dropped_j.push_back(mode.j);
+  if (dropped_j.empty() && matrix.lost_spots.empty()) return;
+  std::string text = "the calibration";
+  if (!matrix.lost_spots.empty()) {
+    text += fmt::format(" lacks spots {}", listed_spots(matrix.lost_spots));
+  }
+  if (!dropped_j.empty()) {
+    text += fmt::format(
+        "{} does not measure modes j = {} ({}): their aberration appears as other modes",
+        matrix.lost_spots.empty() ? "" : " and", listed_spots(dropped_j), matrix.dropped[0].reason);
+  }
+  bench.warn("calibration", text,
+             {{"lost_spots", matrix.lost_spots}, {"dropped_modes", dropped_j}});
+}
+
+void warn_of_unsteady(Bench& bench, const std::vector<int>& modes_j) {
+  if (modes_j.empty()) return;
+  bench.warn("calibration",
+             fmt::format("the response to modes j = {} differed by more than 2 % each time they "
+                         "were poked: let the bench settle, check slm.settle_ms by slm.settle, "
+                         "and calibrate again with more frames",
+                         listed_spots(modes_j)),
+             {{"unsteady_modes", modes_j}});
+}
+
 }  // namespace
 
 Result<MeasuredCalibration> measure_calibration(Bench& bench, const CalibrationRun& run) {
@@ -174,6 +203,8 @@ Result<MeasuredCalibration> measure_calibration(Bench& bench, const CalibrationR
   calibration.shapes = shapes_of(pokes.meter(), *measured, matrix->modes_j, model.modes_j,
                                  shown_modes(HologramKind::sensor, now.aberration, now.correction));
   calibration.matrix = std::move(*matrix);
+  warn_of_dropped(bench, calibration.matrix);
+  warn_of_unsteady(bench, calibration.unsteady_j);
   return calibration;
 }
 

@@ -33,7 +33,8 @@ Result<PlateFit> measure_plate(Bench& bench, int frames);
 
 /// `calibration.run`: measures the interaction matrix by push-pull poking. Shows each mode with
 /// both signs on top of the current aberration, and averages the spots of settled frames. At the
-/// end the SLM shows the aberration without a poke. Errors: those of interaction_matrix;
+/// end the SLM shows the aberration without a poke. An event warns of spots and modes that it lacks
+/// and of modes whose response was not steady. Errors: those of interaction_matrix;
 /// Errc::invalid, field "modes": the lattice does not determine a requested mode; Errc::refused,
 /// field "modes": all modes were requested, spots were lost, and a mode cannot be measured.
 Result<MeasuredCalibration> measure_calibration(Bench& bench, const CalibrationRun& run);
