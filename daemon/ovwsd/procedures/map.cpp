@@ -78,11 +78,17 @@ Result<Image<float>> look(const Setting& s, bool dark, std::vector<Mode> modes =
   return window;
 }
 
+/// Of the pixels that are not saturated, which are NaN.
 double noise_of(const Image<float>& dark) {
   double sum = 0.0;
-  for (const float dn : dark.pixels) sum += double(dn);
+  int count = 0;
+  for (const float dn : dark.pixels) {
+    if (std::isnan(dn)) continue;
+    sum += double(dn);
+    ++count;
+  }
   Image<float> about = dark;
-  for (float& dn : about.pixels) dn -= float(sum / double(dark.pixels.size()));
+  for (float& dn : about.pixels) dn -= float(sum / count);
   return rms_of(about);
 }
 
