@@ -148,11 +148,19 @@ tl::expected<Parts, CallFailure> parts_of(const Common& common, std::initializer
   return found;
 }
 
+/// Also if the daemon was replaced by another version, whose replies have another form.
+Answer Borrow::try_restore() const try {
+  return restore_now(common_, before_);
+} catch (const json::exception& error) {
+  const std::string why = "unexpected reply of the daemon: ";
+  return tl::make_unexpected(failure(why + error.what()));
+}
+
 Answer Borrow::restore() {
   if (std::exchange(is_over_, true)) return json();
   const auto end = Clock::now() + std::chrono::duration<double>(kRestorePatience_s);
   for (;;) {
-    auto done = restore_now(common_, before_);
+    auto done = try_restore();
     if (done) return done;
     if (Clock::now() > end) {
       if (hooks_.failed) hooks_.failed(message_of(done.error()));

@@ -70,6 +70,8 @@ class Borrow {
   }
 
  private:
+  Answer try_restore() const;
+
   const Common common_;
   const Parts before_;
   const Hooks hooks_;

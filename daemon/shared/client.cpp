@@ -178,8 +178,12 @@ tl::expected<Subscriber, CallFailure> open_stream(const Common& common, const ch
                                                   int receive_queue) {
   const auto config = call(common, "config.get", json::object());
   if (!config) return tl::make_unexpected(config.error());
-  const auto endpoint =
-      reachable_endpoint(config->at("stream").at(key).get<std::string>(), common.endpoint);
+  const json::json_pointer at(std::string("/stream/") + key);
+  if (!config->contains(at) || !config->at(at).is_string()) {
+    return tl::make_unexpected(failure("the daemon's reply to config.get has no stream." +
+                                       std::string(key) + ": install the same version of both"));
+  }
+  const auto endpoint = reachable_endpoint(config->at(at).get<std::string>(), common.endpoint);
   const auto keys = keys_of(common);
   if (!keys) return tl::make_unexpected(failure(keys.error()));
   return Subscriber::connect(endpoint, topics, receive_queue, *keys)

@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdlib>
+#include <optional>
 
 #include "daemon/shared/client.hpp"
 #include "daemon/shared/connection_options.hpp"
@@ -50,7 +51,7 @@ int serve(Options options) {
   CommissionDesk commission(options.common);
   Tickets tickets;
   std::atomic<int> downloads{0};
-  Feeds* feeds = nullptr;
+  std::optional<Feeds> feeds;  // the server's pool may still use it at its end
   auto server =
       Server::listen(options.address, options.port,
                      {options.common, access, refusals, board,
@@ -59,8 +60,7 @@ int serve(Options options) {
   if (!server) return report_error(server.error());
   cli::Common polling = options.common;
   polling.timeout_s = kPollTimeoutS;
-  Feeds running(polling, board, [&] { return ServerFacts{browsers, refusals.counts()}; });
-  feeds = &running;
+  feeds.emplace(polling, board, [&] { return ServerFacts{browsers, refusals.counts()}; });
   if (options.links_path.empty()) std::printf("%s", links_text(options.listen, *tokens).c_str());
   std::printf("ready http://%s/\n", options.listen.c_str());
   std::fflush(stdout);
