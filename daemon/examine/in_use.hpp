@@ -1,6 +1,7 @@
 /// What follows from the configuration in use, as config.get reports it.
 #pragma once
 
+#include <array>
 #include <nlohmann/json.hpp>
 
 #include "config/config.hpp"
@@ -23,6 +24,14 @@ inline Result<Config> layout_in_use(const nlohmann::json& in_use) {
   auto config = parse_config(json_text(in_use));
   if (config) config->sensor.masks.clear();
   return config;
+}
+
+/// Uses the measured registration of a result of registration.get, if it has one.
+inline void use_registration(Config& config, const nlohmann::json& known) {
+  const nlohmann::json& map = known.at("px_per_cycle");
+  if (!map.is_array()) return;
+  const auto [xx, xy, yx, yy] = map.get<std::array<double, 4>>();
+  config.optics.registered = PxPerCycle{xx, xy, yx, yy};
 }
 
 }  // namespace ovws::examine

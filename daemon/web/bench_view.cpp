@@ -4,6 +4,7 @@
 #include "core/optics/zernike.hpp"
 #include "core/tracking/spot.hpp"
 #include "core/tracking/spot_geometry.hpp"
+#include "daemon/examine/in_use.hpp"
 #include "proto/json_text.hpp"
 #include "proto/limits.hpp"
 #include "proto/names.hpp"
@@ -24,7 +25,7 @@ double ring_px(const Config& config) {
   return lambdas * lambda_d_px(config.optics, config.slm.geometry, config.sensor);
 }
 
-json sensor_of(const json& sensor, const json& config_json) {
+json sensor_of(const json& sensor, const json& in_use, const json& registration) {
   json view = sensor;
   view["mode_names"] = json::array();
   for (const json& j : sensor.at("modes_j")) {
@@ -32,9 +33,10 @@ json sensor_of(const json& sensor, const json& config_json) {
     view["mode_names"].push_back(
         {{"j", j}, {"n", index.n}, {"m", index.m}, {"name", zernike_name(j.get<int>())}});
   }
-  const auto config = parse_config(json_text(config_json));
+  auto config = parse_config(json_text(in_use));
   for (const char* key : {"ring_px", "pupil_mm", "lambda_pupil_px"}) view[key] = nullptr;
   if (!config) return view;
+  examine::use_registration(*config, registration);
   const SlmGeometry& slm = config->slm.geometry;
   view["ring_px"] = ring_px(*config);
   view["pupil_mm"] = config->sensor.pupil_diameter_px * slm.pitch_um * 1e-3;
@@ -100,7 +102,7 @@ std::optional<json> BenchView::look(std::int64_t jobs) {
   const std::vector<json>& a = *answers;
   json view{{"schema", "ovws.web.bench/1"},
             {"camera", a[1]},
-            {"sensor", sensor_of(a[2], a[0])},
+            {"sensor", sensor_of(a[2], a[0], a[9])},
             {"optics", a[0]["optics"]},
             {"aberration", a[3]},
             {"correction", a[4]},

@@ -55,10 +55,7 @@ Result<Field> field_of(const json& in_use, const json& registration, const Spot&
   auto config = examine::layout_in_use(in_use);
   if (!config) return fail(config.error());
   config->optics.centre_px = Vec2{base.x, base.y};
-  if (registration.at("registered").get<bool>()) {
-    const auto map = registration.at("px_per_cycle").get<std::array<double, 4>>();
-    config->optics.registered = PxPerCycle{map[0], map[1], map[2], map[3]};
-  }
+  examine::use_registration(*config, registration);
   const auto lattice = make_lattice(config->sensor, config->slm.geometry);
   if (!lattice) return fail(lattice.error());
   const SpotBench bench = spot_bench(*config, *lattice);

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "daemon/examine/in_use.hpp"
 #include "proto/json_text.hpp"
 #include "proto/spot_rows.hpp"
 #include "proto/tables/modes.hpp"
@@ -84,11 +85,7 @@ Answered<ExperimentBench> ExperimentBench::open(const Common& common) {
   const auto before = parts_of(common, {Part::camera, Part::sensor, Part::aberration});
   if (!before) return tl::make_unexpected(before.error());
   bench.before_ = std::make_unique<Borrow>(common, *before);
-  const json& map = now["registration.get"].at("px_per_cycle");
-  if (map.is_array()) {
-    bench.config_.optics.registered = PxPerCycle{map[0].get<double>(), map[1].get<double>(),
-                                                 map[2].get<double>(), map[3].get<double>()};
-  }
+  examine::use_registration(bench.config_, now["registration.get"]);
   return bench;
 }
 
