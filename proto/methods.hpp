@@ -173,9 +173,9 @@ inline constexpr auto kFlatnessRun = method<FlatnessRun, JobNumber>(
 inline constexpr auto kFocusRun = method<FocusRun, JobNumber>(
     "focus.run",
     "Measures defocus, astigmatism, coma and the other modes up to radial order 4 of the light "
-    "over "
-    "the whole pupil, and how far the camera is from the focus: fits the diffraction model to the "
-    "mean image of the spots. The modes are what is left beyond the flatness in use. Requires a "
+    "over the whole pupil, as far as the places of the spots determine them, and how far the "
+    "camera is from the focus: fits the diffraction model to the mean image of the spots. The "
+    "modes are what is left beyond the flatness in use. Requires a "
     "registration. Returns at once; the job's result is defocus_waves, camera_shift_mm and the "
     "modes, and no setting is changed.");
 inline constexpr auto kJobCancel = method<JobNumber, JobReport>(
