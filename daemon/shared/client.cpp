@@ -122,22 +122,10 @@ CallFailure failure(const Error& error) {
 }
 
 tl::expected<json, CallFailure> call(const Common& common, const std::string& method,
-                                     const json& params) {
-  auto answer = ask(common, request_of(1, method, params));
+                                     const json& params, std::vector<std::byte>* binary) {
+  auto answer = ask(common, request_of(1, method, params), binary);
   if (!answer) return answer;
   return result_of(*answer);
-}
-
-tl::expected<BinaryAnswer, CallFailure> call_for_binary(const Common& common,
-                                                        const std::string& method,
-                                                        const json& params) {
-  BinaryAnswer all;
-  auto answer = ask(common, request_of(1, method, params), &all.binary);
-  if (!answer) return tl::make_unexpected(answer.error());
-  auto result = result_of(*answer);
-  if (!result) return tl::make_unexpected(result.error());
-  all.result = std::move(*result);
-  return all;
 }
 
 tl::expected<std::vector<json>, CallFailure> call_all(const Common& common,

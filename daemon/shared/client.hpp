@@ -45,18 +45,11 @@ struct CallFailure {
 CallFailure failure(std::string message);
 CallFailure failure(const Error& error);
 
-/// Calls a method and returns its result. Blocks for at most `common.timeout_s`.
+/// Calls a method and returns its result. Blocks for at most `common.timeout_s`. `binary` receives
+/// the reply's binary frame, if both are there; else it stays.
 tl::expected<nlohmann::json, CallFailure> call(const Common& common, const std::string& method,
-                                               const nlohmann::json& params);
-
-struct BinaryAnswer {
-  nlohmann::json result;
-  std::vector<std::byte> binary;  ///< of the reply's binary frame; empty: it had none
-};
-/// The same for a method whose reply has a binary frame.
-tl::expected<BinaryAnswer, CallFailure> call_for_binary(const Common& common,
-                                                        const std::string& method,
-                                                        const nlohmann::json& params);
+                                               const nlohmann::json& params,
+                                               std::vector<std::byte>* binary = nullptr);
 
 /// Calls several methods without params in one JSON-RPC batch and returns their results in order.
 /// If one method fails, the whole call fails.

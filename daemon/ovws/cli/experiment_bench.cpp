@@ -131,22 +131,24 @@ Answered<GrabbedImages> ExperimentBench::grab(int frames) {
     if (tries > most_tries) {
       return failed({Errc::refused, "gain_db", "the camera's gain was changed meanwhile"});
     }
-    const auto reply = call_for_binary(patient, "camera.grab",
-                                       {{"frames", std::min(left, most)},
-                                        {"after_hologram", hologram_id_},
-                                        {"timeout_s", kGrabPatienceS}});
+    std::vector<std::byte> pixels;
+    const auto reply = cli::call(patient, "camera.grab",
+                                 {{"frames", std::min(left, most)},
+                                  {"after_hologram", hologram_id_},
+                                  {"timeout_s", kGrabPatienceS}},
+                                 &pixels);
     if (!reply) return tl::make_unexpected(reply.error());
-    const json& shape = reply->result.at("shape");
+    const json& shape = reply->at("shape");
     const auto count = shape.at(0).get<std::size_t>();
     const bool whole = shape.at(1) == camera.roi.height && shape.at(2) == camera.roi.width &&
-                       reply->binary.size() == count * image_bytes;
+                       pixels.size() == count * image_bytes;
     if (!whole)
       return failed(
           {Errc::refused, "camera", "the camera's region or pixel format was changed meanwhile"});
     for (std::size_t k = 0; k < count && left > 0; ++k) {
       // A frame whose exposure began before the gain was set.
-      if (reply->result.at("frames")[k].at("gain_db") != gain_db_) continue;
-      const auto at = reply->binary.begin() + std::ptrdiff_t(k * image_bytes);
+      if (reply->at("frames")[k].at("gain_db") != gain_db_) continue;
+      const auto at = pixels.begin() + std::ptrdiff_t(k * image_bytes);
       all.pixels.insert(all.pixels.end(), at, at + std::ptrdiff_t(image_bytes));
       --left;
     }
