@@ -20,6 +20,9 @@ constexpr milliseconds kReceiveTimeout{100};
 constexpr milliseconds kSilence{3000};  ///< `status` comes once per second
 constexpr milliseconds kHealthPeriod{250};
 constexpr milliseconds kPollPeriod{2000};
+/// While the loop or a slider changes the hologram many times per second, most frames are not
+/// valid; the last valid one stays on screen for this time, so that the page does not flicker.
+constexpr milliseconds kValidHold{500};
 constexpr milliseconds kMinPollInterval{150};  ///< minimum interval of requests after changes
 constexpr int kNumbersQueue = 1000;
 constexpr int kImagesQueue = 4;
@@ -42,12 +45,6 @@ std::optional<std::string> SpotShelf::of_frame(std::uint64_t frame_id) const {
     if (kept->first == frame_id) return kept->second;
   }
   return std::nullopt;
-}
-
-bool HeldValid::shows(bool valid) {
-  const auto now = std::chrono::steady_clock::now();
-  if (valid) last_ = now;
-  return valid || now - last_ > hold_;
 }
 
 Feeds::Feeds(const cli::Common& common, Board& board, std::function<ServerFacts()> server_facts)
@@ -139,7 +136,9 @@ void Feeds::take_wavefront(const StreamMessage& message) {
     board_.append(Series::history, framed(json_text(*bin)));
   }
   wavefront_at_ = Clock::now();
-  if (!valid_wavefront_.shows(wavefront.at("valid").get<bool>())) return;
+  const bool valid = wavefront.at("valid").get<bool>();
+  if (valid) valid_at_ = wavefront_at_;
+  if (!valid && wavefront_at_ - valid_at_ <= kValidHold) return;
   board_.put(Slot::wavefront, framed(message.json));
   facts_.wavefront = std::move(wavefront);
 }

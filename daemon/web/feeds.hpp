@@ -42,21 +42,6 @@ class SpotShelf {
   std::deque<std::pair<std::uint64_t, std::string>> kept_;
 };
 
-/// Holds the last valid frame on screen for a while, so that the page does not flicker. While the
-/// loop or a slider changes the hologram many times per second, most frames are not valid. Use it
-/// from one thread at a time.
-class HeldValid {
- public:
-  explicit HeldValid(std::chrono::milliseconds hold) : hold_(hold) {}
-
-  /// Whether to show the next frame. `valid`: whether that frame is valid.
-  bool shows(bool valid);
-
- private:
-  std::chrono::milliseconds hold_;
-  std::chrono::steady_clock::time_point last_{};
-};
-
 /// Feeds the board in three threads, from construction to destruction. The destructor joins the
 /// threads, which takes at most the timeout of one request.
 class Feeds {
@@ -110,10 +95,9 @@ class Feeds {
 
   // Used only by the thread numbers_.
   examine::DaemonFacts facts_;
-  Clock::time_point status_at_{}, wavefront_at_{}, health_at_{};
+  Clock::time_point status_at_{}, wavefront_at_{}, valid_at_{}, health_at_{};
   examine::RiseLately lost_, missed_;
   Trend trend_{kTrendBinNs}, history_{kHistoryBinNs};
-  HeldValid valid_wavefront_{std::chrono::milliseconds(500)};
 
   std::thread numbers_, pictures_, polling_;
 };
