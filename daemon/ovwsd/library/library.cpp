@@ -78,12 +78,16 @@ void Library::displace(Stored done, bool succeeds) {
                : fail(Errc::refused, "", "a newer request replaced it before it was carried out"));
 }
 
+void Library::forget_file(const Key& key) {
+  std::erase_if(files_[key.first], [&](const auto& one) { return one.second == key.second; });
+}
+
 /// Counts the file as the newest one of its kind. Returns the names of the oldest ones if there are
 /// more than `most` (0: no limit), and counts them no more.
 std::vector<std::string> Library::count_file(const Key& key, std::int64_t t_taken_ns,
                                              std::size_t most) {
+  forget_file(key);
   Files& files = files_[key.first];
-  std::erase_if(files, [&](const auto& one) { return one.second == key.second; });
   files.emplace_back(t_taken_ns, key.second);
   std::vector<std::string> too_many;
   while (most > 0 && files.size() > most) {
@@ -115,6 +119,7 @@ void Library::put(Item item, Stored stored) {
     for (const auto& [other, one] : queue_) bytes += other == key ? 0 : one.bytes();
     if (bytes > kMaxQueuedBytes) {
       std::swap(refused, work);
+      forget_file(key);  // it is set aside
     } else {
       too_many = count_file(key, work.item->t_taken_ns, kind.most);
     }
@@ -144,7 +149,7 @@ void Library::remove(const ItemKind& kind, const std::vector<std::string>& names
     const std::lock_guard lock(mutex_);
     for (const std::string& name : names) {
       const Key key{kind.name, name};
-      std::erase_if(files_[kind.name], [&](const auto& one) { return one.second == name; });
+      forget_file(key);
       const auto waiting = queue_.find(key);
       Work work = waiting == queue_.end() ? Work{} : waiting->second;
       if (work.done) displace(std::exchange(work.done, nullptr), false);

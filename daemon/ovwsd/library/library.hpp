@@ -116,6 +116,7 @@ class Library {
   using Files = std::vector<std::pair<std::int64_t, std::string>>;  ///< time and name
   void add(const Key& key, Work work);                              // call with mutex_ locked
   void displace(Stored done, bool succeeds);                        // call with mutex_ locked
+  void forget_file(const Key& key);                                 // call with mutex_ locked
   // Call with mutex_ locked.
   std::vector<std::string> count_file(const Key& key, std::int64_t t_taken_ns, std::size_t most);
   void wake();
