@@ -70,7 +70,8 @@ class Record(RecordCase):
         message_since(stream, time.time_ns())
         self.fitted_frames(stream, 5, 300.0)  # the templates' model takes memory, too, and a background thread makes it
         begin = now = self.call("record.get")
-        while now["state"] != "off" and now["frames"] - begin["frames"] <= 50:  # until more frames than a reference takes come without documents
+        while now["state"] == "recording" and now["frames"] - begin["frames"] <= 50:  # until more frames than a reference takes come without documents
+            time.sleep(0.05)
             now = self.call("record.get")
             begin = now if now["bytes"] - begin["bytes"] > 500_000 else begin
         return self.resident_mib() - before_mib
