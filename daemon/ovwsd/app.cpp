@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdlib>
+#include <memory>
 #include <utility>
 
 #include "core/port/clock.hpp"
@@ -69,12 +70,6 @@ void exit_by_alarm_after(double patience_s) {
   ::setitimer(ITIMER_REAL, &once, nullptr);
 }
 
-}  // namespace
-
-/// Parts of the daemon, declared in the order of construction: dependencies first. Members are
-/// destroyed in reverse order.
-namespace {
-
 PipelineConfig with_plans(const Config& config) {
   PipelineConfig pipeline = config.pipeline;
   pipeline.beams = int(config.beams.size());
@@ -82,9 +77,9 @@ PipelineConfig with_plans(const Config& config) {
   return pipeline;
 }
 
-}  // namespace
-
-struct App::Parts {
+/// Parts of the daemon, declared in the order of construction: dependencies first. Members are
+/// destroyed in reverse order.
+struct Parts {
   Config config;
   FolderLock state_lock;
   Counters counters;
@@ -163,8 +158,10 @@ struct App::Parts {
                 {{"thread", failure.row->name}, {"failure", failure.what}, {"goes_on", goes_on}});
   }
 
+  Result<void> make(const LoadedConfig& loaded, std::atomic<bool>& reload);
+  Result<void> run(const std::atomic<bool>& stop_requested);
   Result<void> make_sensor(const LoadedConfig& loaded);
-  Result<void> bind_streams();
+  Result<void> bind_streams(std::atomic<bool>& reload);
   Result<void> bind_control();
   Result<void> start_threads();
   Result<void> end_disk_work();
@@ -173,7 +170,7 @@ struct App::Parts {
   Result<void> stop();
 };
 
-Result<void> App::Parts::make_sensor(const LoadedConfig& loaded) {
+Result<void> Parts::make_sensor(const LoadedConfig& loaded) {
   auto made = SensorKeeper::make(config, {pipeline, slm, events, library, leases,
                                           [this](const MeasurementPlan& plan, SensorView now) {
                                             corrector.sensor_changed(now->modes_j);
@@ -203,7 +200,7 @@ Result<void> App::Parts::make_sensor(const LoadedConfig& loaded) {
   return {};
 }
 
-Result<void> App::Parts::bind_streams() {
+Result<void> Parts::bind_streams(std::atomic<bool>& reload) {
   auto measurement = Publisher::bind(config.stream.endpoint, kMeasurementQueue, clients->gate());
   if (!measurement) return fail(measurement.error());
   auto image_socket = Publisher::bind(config.stream.image_endpoint, kImageQueue, clients->gate());
@@ -219,7 +216,7 @@ Result<void> App::Parts::bind_streams() {
   images = std::make_unique<ImagePublisher>(std::move(*image_socket), image_config, pipeline,
                                             counters, frames, grabs, brightness);
   reloader = std::make_unique<Reloader>(
-      ReloadDeps{*settings, leases, camera, slm, *keeper, *refiner, *images, events, disk});
+      ReloadDeps{*settings, leases, camera, slm, *keeper, *refiner, *images, events, disk, reload});
   status = std::make_unique<StatusReporter>(
       StatusDeps{leases,   camera,    slm,      *keeper,
                  *search,  *images,   *loop,    *refiner,
@@ -229,7 +226,7 @@ Result<void> App::Parts::bind_streams() {
   return {};
 }
 
-Result<void> App::Parts::bind_control() {
+Result<void> Parts::bind_control() {
   services = std::make_unique<Services>(Services{
       config,         *settings, leases,  camera,   finder,   *keeper, jobs,     *procedures,
       *presentations, grabs,     library, named,    lattices, *loop,   *refiner, recorder,
@@ -253,7 +250,7 @@ Result<void> App::Parts::bind_control() {
 
 /// Starts all threads, consumers before producers, so that no output is lost. stop_all joins the
 /// threads in reverse order.
-Result<void> App::Parts::start_threads() {
+Result<void> Parts::start_threads() {
   if (auto locked = threads.prepare_process(); !locked) return locked;
   struct Start {
     ThreadRole role;
@@ -282,45 +279,34 @@ Result<void> App::Parts::start_threads() {
   return {};
 }
 
-App::App(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
-
-App::~App() = default;
-
-Result<std::unique_ptr<App>> App::make(const LoadedConfig& loaded) {
-  const auto state = state_directory_of(loaded.effective.state);
-  auto lock = state ? lock_folder(*state) : FolderLock();
-  if (!lock) return fail(lock.error());
-  auto parts = std::make_unique<Parts>(loaded, std::move(*lock));
-  if (auto made = parts->make_sensor(loaded); !made) return fail(made.error());
-  parts->named.load();
-  parts->lattices.load();
-  auto clients =
-      ClientGuard::make(parts->config.security, parts->counters, parts->events, parts->disk);
-  if (!clients) return fail(clients.error());
-  parts->clients = std::move(*clients);
-  if (auto bound = parts->bind_streams(); !bound) return fail(bound.error());
-  if (auto bound = parts->bind_control(); !bound) return fail(bound.error());
-  return std::unique_ptr<App>(new App(std::move(parts)));
+Result<void> Parts::make(const LoadedConfig& loaded, std::atomic<bool>& reload) {
+  if (auto made = make_sensor(loaded); !made) return made;
+  named.load();
+  lattices.load();
+  auto guard = ClientGuard::make(config.security, counters, events, disk);
+  if (!guard) return fail(guard.error());
+  clients = std::move(*guard);
+  if (auto bound = bind_streams(reload); !bound) return bound;
+  return bind_control();
 }
 
-Result<void> App::run(const std::atomic<bool>& stop) {
-  if (auto started = parts_->start_threads(); !started) return started;
-  parts_->leases.set(&Conditions::started, true);
+Result<void> Parts::run(const std::atomic<bool>& stop_requested) {
+  if (auto started = start_threads(); !started) return started;
+  leases.set(&Conditions::started, true);
   service::notify_ready();
-  spdlog::info("listening: control {}, streams {} and {}", parts_->config.control.endpoint,
-               parts_->config.stream.endpoint, parts_->config.stream.image_endpoint);
-  if (!parts_->clients->public_key().empty()) {
-    spdlog::info("clients need a key; the daemon's public key is {}",
-                 parts_->clients->public_key());
+  spdlog::info("listening: control {}, streams {} and {}", config.control.endpoint,
+               config.stream.endpoint, config.stream.image_endpoint);
+  if (!clients->public_key().empty()) {
+    spdlog::info("clients need a key; the daemon's public key is {}", clients->public_key());
   }
-  parts_->threads.run_here(ThreadRole::display, parts_->slm, stop);
-  return parts_->stop();
+  threads.run_here(ThreadRole::display, slm, stop_requested);
+  return stop();
 }
 
 /// Writes the end of a recording and the queued state items. Gives up if the disk makes no progress
 /// for kRecordingTimeoutS while a recording ends, or else for kStopTimeoutS. The error says which
 /// data is lost.
-Result<void> App::Parts::end_disk_work() {
+Result<void> Parts::end_disk_work() {
   const std::vector<ThreadRole> roles{ThreadRole::write, ThreadRole::disk};
   const bool recording = recorder.report().state == "recording";
   const double patience_s = recording ? kRecordingTimeoutS : kStopTimeoutS;
@@ -351,7 +337,7 @@ Result<void> App::Parts::end_disk_work() {
 
 /// Reports state items that were not written. If the disk has refused a write, that failure has
 /// been reported already, so this is only a warning. A disk that did not answer is an error.
-Result<void> App::Parts::check_unwritten() {
+Result<void> Parts::check_unwritten() {
   const int items = library.queued();
   if (items == 0) return {};
   const auto refused = library.report().reason;
@@ -365,7 +351,7 @@ Result<void> App::Parts::check_unwritten() {
 }
 
 /// Ends the process while a display that does not respond blocks the main thread. Status thread.
-void App::Parts::end_without_display() {
+void Parts::end_without_display() {
   if (ending.exchange(true)) return;
   exit_now("the display does not respond", end_disk_work());
 }
@@ -373,7 +359,7 @@ void App::Parts::end_without_display() {
 /// Stops the threads, users before the threads that they need. Procedures and the closed loop end
 /// first. Camera and sensor then answer their pending requests, while the control thread still
 /// runs. Next the disk thread finishes its pending work. All other threads end last.
-Result<void> App::Parts::stop() {
+Result<void> Parts::stop() {
   while (ending.exchange(true)) ::pause();  // the status thread is ending the process
   service::notify_stopping();
   leases.set(&Conditions::stopping, true);
@@ -400,8 +386,22 @@ Result<void> App::Parts::stop() {
   return written;
 }
 
-void App::reload() {
-  parts_->reloader->request();
+}  // namespace
+
+bool run_daemon(const LoadedConfig& loaded, const std::atomic<bool>& stop,
+                std::atomic<bool>& reload) {
+  const auto failed = [](const Error& error) {
+    spdlog::error("{}", text_of(error));
+    return false;
+  };
+  const auto state = state_directory_of(loaded.effective.state);
+  auto lock = state ? lock_folder(*state) : FolderLock();
+  if (!lock) return failed(lock.error());
+  const auto parts = std::make_unique<Parts>(loaded, std::move(*lock));
+  auto done = parts->make(loaded, reload);
+  if (done) done = parts->run(stop);
+  // The error is logged before the parts are destroyed: SIGALRM may end the process meanwhile.
+  return done || failed(done.error());
 }
 
 }  // namespace ovws

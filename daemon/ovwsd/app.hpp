@@ -3,36 +3,19 @@
 #pragma once
 
 #include <atomic>
-#include <memory>
 
-#include "core/base/result.hpp"
 #include "daemon/ovwsd/settings/saved_config.hpp"
 
 namespace ovws {
 
-/// The whole daemon. Call all methods in the main thread, unless stated otherwise.
-class App {
- public:
-  /// Creates all parts and opens the sockets. Errors: the configuration makes no usable sensor, or
-  /// a port or the state folder is in use. An absent camera or display is no error: the daemon
-  /// waits.
-  static Result<std::unique_ptr<App>> make(const LoadedConfig& loaded);
-  ~App();
-  App(const App&) = delete;
-  App& operator=(const App&) = delete;
-
-  /// Starts the threads, shows holograms until `stop` is set, then stops all threads in order.
-  /// Errors: a privilege is missing under `"realtime": "enforce"`; a thread failed without which
-  /// the daemon cannot continue; data could not be written at the stop.
-  Result<void> run(const std::atomic<bool>& stop);
-  /// Requests a reload of the configuration file. Thread-safe and async-signal-safe, so that the
-  /// SIGHUP handler may call this method while `run` lasts.
-  void reload();
-
- private:
-  struct Parts;
-  explicit App(std::unique_ptr<Parts> parts);
-  std::unique_ptr<Parts> parts_;
-};
+/// The whole daemon; call it in the main thread. Creates all parts, opens the sockets, starts the
+/// threads, and shows holograms until `stop` is set. Then it stops all threads in order. When
+/// `reload` is set, it clears it, and reloads the configuration file. A signal handler may set
+/// both, `reload` also during the start. An absent camera or display is no error: the daemon waits.
+/// Returns false after it has logged an error: the configuration makes no usable sensor; a port or
+/// the state folder is in use; a privilege is missing under `"realtime": "enforce"`; a thread
+/// failed without which the daemon cannot continue; data could not be written at the stop.
+[[nodiscard]] bool run_daemon(const LoadedConfig& loaded, const std::atomic<bool>& stop,
+                              std::atomic<bool>& reload);
 
 }  // namespace ovws

@@ -26,17 +26,15 @@ constexpr const char* kExitCodes =
     "Exit codes: 0 ended by a signal, or the configuration is valid; 1 the configuration is not "
     "valid, the\nstart failed, or a fatal error ended the daemon; 2 the command line is wrong.";
 
-std::atomic<bool> stop_requested{false};
-static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
-std::atomic<ovws::App*> reloadable{nullptr};
-static_assert(std::atomic<ovws::App*>::is_always_lock_free, "a signal handler reads it");
+std::atomic<bool> stop_requested{false}, reload_requested{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets them");
 
 void request_stop(int /*signal*/) {
   stop_requested.store(true);
 }
 
 void request_reload(int /*signal*/) {
-  if (ovws::App* const app = reloadable.load()) app->reload();
+  reload_requested.store(true);
 }
 
 int log_failure(const ovws::Error& error) {
@@ -117,12 +115,7 @@ int serve(ovws::LoadedConfig loaded) {
   std::signal(SIGINT, request_stop);
   std::signal(SIGHUP, request_reload);
   std::signal(SIGPIPE, SIG_IGN);
-  auto app = ovws::App::make(loaded);
-  if (!app) return log_failure(app.error());
-  reloadable.store(app->get());
-  const auto done = (*app)->run(stop_requested);
-  reloadable.store(nullptr);
-  return done ? 0 : log_failure(done.error());
+  return ovws::run_daemon(loaded, stop_requested, reload_requested) ? 0 : 1;
 }
 
 }  // namespace

@@ -59,7 +59,8 @@ const std::array<Reloader::Part, 3> Reloader::kParts{
      {"sensor", "sensor's settings", &Reloader::apply_sensor}}};
 
 void Reloader::poll() {
-  if (busy_.load() || !requested_.exchange(false)) return;
+  if (busy_.load() || deps_.leases.report().state == DaemonState::starting) return;
+  if (!deps_.requested.exchange(false)) return;
   const auto reload = std::make_shared<Reload>(*this);
   busy_.store(true);
   service::notify_reloading();

@@ -34,6 +34,7 @@ struct ReloadDeps {
   ImagePublisher& images;
   Events& events;
   Disk& disk;
+  std::atomic<bool>& requested;  ///< a signal handler sets it
 };
 
 /// Applies one reload at a time, completely or not at all. Changes SLM, camera, then sensor, as the
@@ -46,9 +47,8 @@ class Reloader {
  public:
   explicit Reloader(ReloadDeps deps) : deps_(std::move(deps)) {}
 
-  /// Requests a reload. Async-signal-safe.
-  void request() { requested_.store(true); }
-  /// Starts a requested reload in the disk thread without waiting for its end. Status thread.
+  /// Starts a requested reload, once the daemon has started, in the disk thread without waiting for
+  /// its end. Status thread.
   void poll();
 
  private:
@@ -106,8 +106,6 @@ class Reloader {
   void end(Reload& reload);
 
   ReloadDeps deps_;
-  std::atomic<bool> requested_{false};
-  static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
   std::atomic<bool> busy_{false};
 };
 
