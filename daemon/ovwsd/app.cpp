@@ -50,9 +50,14 @@ constexpr double kExitTimeoutS = 1.8;
 std::atomic<int> exit_status{0};
 static_assert(std::atomic<int>::is_always_lock_free, "a signal handler reads it");
 
+bool log_failure(const Error& error) {
+  spdlog::error("{}", text_of(error));
+  return false;
+}
+
 [[noreturn]] void exit_now(const std::string& why, const Result<void>& written) {
   spdlog::warn("{}: exiting without waiting for it", why);
-  if (!written) spdlog::error("{}: {}", written.error().field, written.error().reason);
+  if (!written) log_failure(written.error());
   std::_Exit(exit_status.load());
 }
 
@@ -380,6 +385,7 @@ Result<void> Parts::stop() {
   if (written) written = check_unwritten();
   if (const std::string why = threads.fatal_failure(); !why.empty()) {
     exit_status.store(1);
+    if (!written) log_failure(written.error());
     written = fail(Errc::internal, "", why);
   }
   if (!held.empty()) exit_now("thread " + held + " does not end in time", written);
@@ -390,18 +396,14 @@ Result<void> Parts::stop() {
 
 bool run_daemon(const LoadedConfig& loaded, const std::atomic<bool>& stop,
                 std::atomic<bool>& reload) {
-  const auto failed = [](const Error& error) {
-    spdlog::error("{}", text_of(error));
-    return false;
-  };
   const auto state = state_directory_of(loaded.effective.state);
   auto lock = state ? lock_folder(*state) : FolderLock();
-  if (!lock) return failed(lock.error());
+  if (!lock) return log_failure(lock.error());
   const auto parts = std::make_unique<Parts>(loaded, std::move(*lock));
   auto done = parts->make(loaded, reload);
   if (done) done = parts->run(stop);
   // The error is logged before the parts are destroyed: SIGALRM may end the process meanwhile.
-  return done || failed(done.error());
+  return done || log_failure(done.error());
 }
 
 }  // namespace ovws
