@@ -123,6 +123,7 @@ struct Parts {
   std::unique_ptr<Services> services;
   std::unique_ptr<ControlServer> control;
   std::atomic<bool> ending{false};
+  int warned_of = 0;  ///< items of check_unwritten's warning
   ThreadPlan threads;
 
   Parts(const LoadedConfig& as_loaded, FolderLock lock)
@@ -348,7 +349,7 @@ Result<void> Parts::check_unwritten() {
   const auto refused = library.report().reason;
   const std::string text = fmt::format("items that were not written and are lost: {}", items);
   if (refused) {
-    spdlog::warn("state: {}: {}", text, *refused);
+    if (std::exchange(warned_of, items) != items) spdlog::warn("state: {}: {}", text, *refused);
     return {};
   }
   exit_status.store(1);
