@@ -23,7 +23,7 @@ const char* end_text(JobState state) {
 
 }  // namespace
 
-int Jobs::begin(std::string kind, std::function<void()> cancel, std::function<double()> progress) {
+int Jobs::begin(std::string kind, std::shared_ptr<Live> live) {
   int id = 0;
   {
     const std::lock_guard lock(mutex_);
@@ -31,8 +31,7 @@ int Jobs::begin(std::string kind, std::function<void()> cancel, std::function<do
     Entry& entry = jobs_[id];
     entry.job.job = id;
     entry.job.kind = kind;
-    entry.cancel = std::move(cancel);
-    entry.progress = std::move(progress);
+    entry.live = std::move(live);
     drop_oldest();
   }
   events_.emit("job", Severity::info, fmt::format("job {} ({}) is running", id, kind),
@@ -52,55 +51,45 @@ void Jobs::drop_oldest() {
 
 void Jobs::report_progress(int id) {
   constexpr int kQuarters = 4;
-  const auto now = get(id);
-  if (!now || now->state != JobState::running) return;
-  const int quarters = int(now->progress * kQuarters);
   // Hold the lock while the event is emitted, so that the job's end event cannot come first.
   const std::lock_guard lock(mutex_);
   const auto found = jobs_.find(id);
   if (found == jobs_.end() || found->second.job.state != JobState::running) return;
+  const int quarters = int(found->second.live->progress * kQuarters);
   if (quarters >= kQuarters) return;
   if (quarters <= std::exchange(found->second.reported_quarters, quarters)) return;
-  events_.emit("job", Severity::info,
-               fmt::format("job {} ({}) is at {} %", id, now->kind, 100 * quarters / kQuarters),
-               event_data(id, JobState::running, double(quarters) / kQuarters));
+  events_.emit(
+      "job", Severity::info,
+      fmt::format("job {} ({}) is at {} %", id, found->second.job.kind, 100 * quarters / kQuarters),
+      event_data(id, JobState::running, double(quarters) / kQuarters));
 }
 
-void Jobs::finish(int id, nlohmann::json result) {
-  end(id, JobState::done, std::move(result), std::nullopt);
-}
-
-void Jobs::fail_job(int id, Error error) {
-  end(id, JobState::failed, nullptr, std::move(error));
+void Jobs::finish(int id, Result<nlohmann::json> result) {
+  const std::lock_guard lock(mutex_);
+  const auto found = jobs_.find(id);
+  if (found != jobs_.end()) end(found->second, std::move(result));
 }
 
 Result<JobReport> Jobs::cancel(int id) {
-  std::function<void()> cancel;
   {
     const std::lock_guard lock(mutex_);
     const auto found = jobs_.find(id);
     if (found != jobs_.end() && found->second.goes_on() && !found->second.result_in_use) {
       found->second.cancelled = true;
-      cancel = found->second.cancel;
+      found->second.live->stop = true;
     }
   }
-  if (cancel) cancel();
   return get(id);
 }
 
 Result<JobReport> Jobs::get(int id) const {
-  JobReport job;
-  std::function<double()> progress;
-  {
-    const std::lock_guard lock(mutex_);
-    const auto found = jobs_.find(id);
-    if (found == jobs_.end()) {
-      return fail(Errc::invalid, "job", fmt::format("there is no job {}", id));
-    }
-    job = found->second.job;
-    progress = found->second.progress;
+  const std::lock_guard lock(mutex_);
+  const auto found = jobs_.find(id);
+  if (found == jobs_.end()) {
+    return fail(Errc::invalid, "job", fmt::format("there is no job {}", id));
   }
-  if (job.state == JobState::running) job.progress = progress();
+  JobReport job = found->second.job;
+  if (job.state == JobState::running) job.progress = found->second.live->progress;
   return job;
 }
 
@@ -132,37 +121,32 @@ bool Jobs::runs(int id) const {
 }
 
 bool Jobs::end_cancelled(int id) {
-  {
-    const std::lock_guard lock(mutex_);
-    const auto found = jobs_.find(id);
-    if (found == jobs_.end() || !found->second.cancelled) return false;
-  }
-  end(id, JobState::cancelled, nullptr, std::nullopt);
+  const std::lock_guard lock(mutex_);
+  const auto found = jobs_.find(id);
+  if (found == jobs_.end() || !found->second.cancelled) return false;
+  end(found->second, nullptr);
   return true;
 }
 
-void Jobs::end(int id, JobState state, nlohmann::json result, std::optional<Error> error) {
-  const auto now = get(id);
-  double progress = now ? now->progress : 0.0;
-  const std::lock_guard lock(mutex_);
-  const auto found = jobs_.find(id);
-  if (found == jobs_.end() || found->second.job.state != JobState::running) return;
-  JobReport& job = found->second.job;
-  if (found->second.cancelled) {
-    state = JobState::cancelled;
-    result = nullptr;
-    error.reset();
+void Jobs::end(Entry& entry, Result<nlohmann::json> result) {
+  JobReport& job = entry.job;
+  if (job.state != JobState::running) return;
+  job.progress = entry.live->progress;
+  if (entry.cancelled) {
+    job.state = JobState::cancelled;
+  } else if (result) {
+    job.state = JobState::done;
+    job.progress = 1.0;
+    job.result = std::move(*result);
+  } else {
+    job.state = JobState::failed;
+    job.error = std::move(result.error());
   }
-  job.state = state;
-  if (state == JobState::done) progress = 1.0;
-  job.progress = progress;
-  job.result = std::move(result);
-  job.error = error;
   note_end(job);
-  const std::string text = fmt::format("job {} ({}) {}{}", id, job.kind, end_text(state),
-                                       error ? ": " + error->reason : "");
-  const auto severity = state == JobState::failed ? Severity::error : Severity::info;
-  events_.emit("job", severity, text, event_data(id, state, progress));
+  const std::string text = fmt::format("job {} ({}) {}{}", job.job, job.kind, end_text(job.state),
+                                       job.error ? ": " + job.error->reason : "");
+  const auto severity = job.error ? Severity::error : Severity::info;
+  events_.emit("job", severity, text, event_data(job.job, job.state, job.progress));
 }
 
 }  // namespace ovws

@@ -1,8 +1,9 @@
 /// Jobs: long commands, each with a number, progress reports and an end event.
 #pragma once
 
-#include <functional>
+#include <atomic>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -22,13 +23,18 @@ class Jobs {
  public:
   explicit Jobs(Events& events) : events_(events) {}
 
-  /// Registers a running job and returns its number. `cancel(id)` calls `cancel`, and `get` calls
-  /// `progress`, in any thread and without holding the lock of Jobs.
-  int begin(std::string kind, std::function<void()> cancel, std::function<double()> progress);
+  /// What a running job shares with all threads.
+  struct Live {
+    std::atomic<bool> stop{false};      ///< the job must end soon
+    std::atomic<double> progress{0.0};  ///< 0 .. 1
+  };
+
+  /// Registers a running job and returns its number. `cancel(id)` sets `stop` of `live`.
+  int begin(std::string kind, std::shared_ptr<Live> live);
   /// Emits an event each time the progress of a running job has passed another quarter.
   void report_progress(int id);
-  void finish(int id, nlohmann::json result);
-  void fail_job(int id, Error error);
+  /// Ends a job: with its result, or as failed. One that was cancelled has neither.
+  void finish(int id, Result<nlohmann::json> result);
   /// Stops a job and returns its report: it runs until `end_cancelled`. A job that has ended, or
   /// whose result is in use, is not changed. Errc::invalid if no job has this number.
   Result<JobReport> cancel(int id);
@@ -46,16 +52,15 @@ class Jobs {
  private:
   struct Entry {
     JobReport job;
-    std::function<void()> cancel;
-    std::function<double()> progress;
+    std::shared_ptr<Live> live;
     int reported_quarters = 0;
     bool result_in_use = false, cancelled = false;
     bool goes_on() const { return job.state == JobState::running && !cancelled; }
   };
-  // Call drop_oldest and note_end with mutex_ locked; `end` locks it.
+  // Call these with mutex_ locked.
   void drop_oldest();
   void note_end(const JobReport& job);
-  void end(int id, JobState state, nlohmann::json result, std::optional<Error> error);
+  void end(Entry& entry, Result<nlohmann::json> result);
 
   Events& events_;
   mutable std::mutex mutex_;

@@ -33,10 +33,6 @@ MeasuredUnder measured_under(const SensorSnapshot& sensor,
 
 }  // namespace
 
-Bench::Bench(int job, const BenchDeps& deps, const std::atomic<bool>& stop,
-             std::atomic<double>& progress)
-    : job_(job), deps_(deps), stop_(stop), progress_(progress) {}
-
 Error Bench::no_frame(double waited_s) const {
   if (auto there = check_display(); !there) return there.error();
   return {Errc::unavailable, "",
@@ -198,7 +194,7 @@ Result<void> Bench::wait_watching(const FrameTap& watch, double min_ms, int fram
 }
 
 void Bench::report_progress(double progress) {
-  progress_.store(part_.first + part_.second * progress);
+  live_.progress.store(part_.first + part_.second * progress);
   deps_.jobs.report_progress(job_);
 }
 

@@ -2,7 +2,6 @@
 /// frames.
 #pragma once
 
-#include <atomic>
 #include <functional>
 #include <future>
 #include <optional>
@@ -52,9 +51,8 @@ struct JobEnd {
 /// once. The previous hologram is restored when the procedure ends, also after an error.
 class Bench {
  public:
-  /// `stop` and `progress` must outlive the Bench.
-  Bench(int job, const BenchDeps& deps, const std::atomic<bool>& stop,
-        std::atomic<double>& progress);
+  /// `live` of the job must outlive the Bench.
+  Bench(int job, const BenchDeps& deps, Jobs::Live& live) : job_(job), deps_(deps), live_(live) {}
 
   /// Snapshot of the sensor's current state.
   SensorView sensor() const { return deps_.keeper.snapshot(); }
@@ -127,7 +125,7 @@ class Bench {
   /// Restores exposure and gain of the camera; call it in the procedure thread after the procedure.
   /// Returns when they are restored, or when the camera thread has ended.
   void restore_camera();
-  bool stopped() const { return stop_.load(); }
+  bool stopped() const { return live_.stop.load(); }
 
  private:
   /// Check that is called periodically while a call waits for frames; an error ends the wait.
@@ -146,8 +144,7 @@ class Bench {
 
   int job_;
   BenchDeps deps_;
-  const std::atomic<bool>& stop_;
-  std::atomic<double>& progress_;
+  Jobs::Live& live_;
   std::pair<double, double> part_{0.0, 1.0};  ///< begin and share of the part in progress
   CameraSet camera_before_;                   ///< settings to restore; empty: unchanged
   std::shared_ptr<JobEnd> end_ = std::make_shared<JobEnd>();

@@ -46,21 +46,13 @@ void Procedures::begin(const LeasePtr& lease, Start what,
     }
   }
   auto run = std::make_shared<Run>();
-  const std::weak_ptr<Run> weak_run = run;
-  const auto cancel = [weak_run] {
-    if (const auto it = weak_run.lock()) it->stop = true;
-  };
-  const auto progress = [weak_run] {
-    const auto it = weak_run.lock();
-    return it ? it->progress.load() : 0.0;
-  };
   {
     const std::lock_guard lock(mutex_);  // before the job is known to others: they may cancel it
-    run->job = deps_.jobs.begin(what.kind, cancel, progress);
+    run->job = deps_.jobs.begin(what.kind, run->live);
     run->lease = lease;
     run->procedure = std::move(what.procedure);
-    run->bench = std::make_unique<Bench>(run->job, deps_, run->stop, run->progress);
-    if (ending_) run->stop = true;
+    run->bench = std::make_unique<Bench>(run->job, deps_, *run->live);
+    if (ending_) run->live->stop = true;
     runs_.push_back(run);
   }
   done(run->job);
@@ -74,7 +66,7 @@ void Procedures::begin(const LeasePtr& lease, Start what,
 void Procedures::end_soon() {
   const std::lock_guard lock(mutex_);
   ending_ = true;
-  for (const auto& run : runs_) run->stop = true;
+  for (const auto& run : runs_) run->live->stop = true;
 }
 
 void Procedures::when_over(int job, std::function<void()> then) {
@@ -119,10 +111,8 @@ void Procedures::finish(const std::shared_ptr<Run>& run) {
   }
   (void)deps_.jobs.end_cancelled(run->job);
   for (const auto& then : waiting) then();
-  // The callback keeps `run` alive, because `run` provides the progress until the job has ended.
   run->bench->take_end()->then = [run, &jobs = deps_.jobs] {
-    if (run->result) return jobs.finish(run->job, std::move(*run->result));
-    jobs.fail_job(run->job, run->result.error());
+    jobs.finish(run->job, std::move(run->result));
   };
 }
 

@@ -2,7 +2,6 @@
 /// thread of their own.
 #pragma once
 
-#include <atomic>
 #include <condition_variable>
 #include <functional>
 #include <memory>
@@ -49,8 +48,7 @@ class Procedures : public Agent {
     int job = 0;
     LeasePtr lease;
     Procedure procedure;
-    std::atomic<bool> stop{false};
-    std::atomic<double> progress{0.0};
+    std::shared_ptr<Jobs::Live> live = std::make_shared<Jobs::Live>();
     std::unique_ptr<Bench> bench;
     bool told = false;  ///< its number was told: it may run
     Result<nlohmann::json> result;

@@ -13,16 +13,19 @@ class JobsTest : public testing::Test {
   StreamQueue queue_;
   Events events_{queue_};
   Jobs jobs_{events_};
-  int cancelled_ = 0;
-  double progress_ = 0.25;
+  std::shared_ptr<Jobs::Live> live_;  ///< of the job begun last
 
   int begin(const std::string& kind = "reference.take") {
-    return jobs_.begin(
-        kind, [this] { ++cancelled_; }, [this] { return progress_; });
+    live_ = std::make_shared<Jobs::Live>();
+    live_->progress = 0.25;
+    return jobs_.begin(kind, live_);
   }
 
   void fail(const std::string& kind, const std::string& reason) {
-    jobs_.fail_job(begin(kind), Error{Errc::refused, "camera.exposure_us", reason});
+    const int id = begin(kind);
+    jobs_.finish(id, ovws::fail(Errc::refused, "camera.exposure_us", reason));
+    EXPECT_EQ(jobs_.get(id)->state, JobState::failed);
+    EXPECT_EQ(jobs_.get(id)->error.value().reason, reason);
   }
 
   /// The progress reported by each event since the last call.
@@ -44,7 +47,7 @@ TEST_F(JobsTest, ARunningJobReportsItsProgress) {
 
 TEST_F(JobsTest, AFinishedJobKeepsItsResult) {
   const int id = begin();
-  jobs_.finish(id, {{"frames", 100}});
+  jobs_.finish(id, nlohmann::json{{"frames", 100}});
   EXPECT_EQ(jobs_.get(id)->state, JobState::done);
   EXPECT_EQ(jobs_.get(id)->progress, 1.0);
   EXPECT_EQ(jobs_.get(id)->result["frames"], 100);
@@ -54,8 +57,8 @@ TEST_F(JobsTest, AJobWhoseResultIsInUseIsNotCancelled) {
   const int id = begin();
   EXPECT_TRUE(jobs_.use_result(id));
   EXPECT_EQ(jobs_.cancel(id)->state, JobState::running);
-  EXPECT_EQ(cancelled_, 0);
-  jobs_.finish(id, {{"frames", 100}});
+  EXPECT_FALSE(live_->stop);
+  jobs_.finish(id, nlohmann::json{{"frames", 100}});
   EXPECT_EQ(jobs_.get(id)->state, JobState::done);
   EXPECT_FALSE(jobs_.use_result(id));
 }
@@ -64,8 +67,9 @@ TEST_F(JobsTest, OnlyARunningJobIsCancelled) {
   const int id = begin();
   EXPECT_FALSE(jobs_.end_cancelled(id));
   EXPECT_EQ(jobs_.cancel(id)->state, JobState::running) << "it has not ended yet";
+  EXPECT_TRUE(live_->stop.exchange(false));
   EXPECT_EQ(jobs_.cancel(id)->state, JobState::running);
-  EXPECT_EQ(cancelled_, 1);
+  EXPECT_FALSE(live_->stop) << "a second request does nothing";
   EXPECT_FALSE(jobs_.runs(id));
   EXPECT_FALSE(jobs_.use_result(id));
   EXPECT_TRUE(jobs_.end_cancelled(id));
@@ -78,7 +82,7 @@ TEST_F(JobsTest, OnlyARunningJobIsCancelled) {
 TEST_F(JobsTest, AJobThatWasCancelledHasNoResultHoweverItEnds) {
   const int id = begin();
   ASSERT_TRUE(jobs_.cancel(id));
-  jobs_.fail_job(id, {Errc::refused, "", "it was cancelled"});
+  jobs_.finish(id, ovws::fail(Errc::refused, "", "it was cancelled"));
   EXPECT_EQ(jobs_.get(id)->state, JobState::cancelled);
   EXPECT_FALSE(jobs_.get(id)->error);
   EXPECT_FALSE(jobs_.last_failed());
@@ -87,7 +91,7 @@ TEST_F(JobsTest, AJobThatWasCancelledHasNoResultHoweverItEnds) {
 TEST_F(JobsTest, EachQuarterOfAJobIsOneEvent) {
   const int id = begin();
   for (const double progress : {0.0, 0.2, 0.25, 0.4, 0.8, 0.9, 1.0}) {
-    progress_ = progress;
+    live_->progress = progress;
     jobs_.report_progress(id);
   }
   jobs_.finish(id, {});
@@ -124,13 +128,6 @@ TEST_F(JobsTest, AFailureIsForgottenWhenAJobOfItsKindIsDone) {
   EXPECT_EQ(jobs_.last_failed()->reason, "no light");
   jobs_.finish(begin("lut.run"), {});
   EXPECT_FALSE(jobs_.last_failed());
-}
-
-TEST_F(JobsTest, AFailureKeepsItsReason) {
-  const int id = begin();
-  jobs_.fail_job(id, {Errc::unavailable, "", "no frames"});
-  ASSERT_TRUE(jobs_.get(id)->error);
-  EXPECT_EQ(jobs_.get(id)->error->reason, "no frames");
 }
 
 TEST_F(JobsTest, AnUnknownNumberIsAnError) {
