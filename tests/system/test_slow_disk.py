@@ -109,6 +109,9 @@ class Standing(SlowDisk):
         asks = [name for name in self.call("system.describe")["methods"] if name.endswith((".get", ".list", ".model", ".outputs", ".verify"))]
         for method in sorted(set(asks) - {"job.get", "record.list"}):  # which needs params, and the disk
             self.call(method)
+        job = self.call("lattice.prepare", {"lattices": [{"name": "same"}], "frames": 10, "find_exposure": False})["job"]
+        wait_for(lambda: self.call("system.status")["state"] == "running", what="the procedure's end; its job waits for the disk")
+        self.assertEqual(self.call("job.cancel", {"job": job})["state"], "cancelled")
 
     def test_the_daemon_ends_without_it(self):
         self.speed(0)

@@ -46,7 +46,8 @@ class Jobs {
   /// of the failed job's kind clears the failure if it succeeds.
   std::optional<StatusMessage::FailedJob> last_failed() const;
   bool runs(int id) const;  ///< false once the job has finished, failed or been told to stop
-  /// Ends a job that was cancelled, when nothing of it is left. Returns false for another one.
+  /// Ends a job that was cancelled, when its procedure has ended; its files may still be written.
+  /// Returns false for another one.
   bool end_cancelled(int id);
 
  private:

@@ -56,8 +56,10 @@ void cancel_job(Services& services, const JobNumber& which, const Reply<JobRepor
   const auto cancelled = services.jobs.cancel(which.job);
   if (services.jobs.runs(which.job)) return reply(cancelled);  // its result is in use
   // Replies when the sensor is free again, so that the client can start the next job at once.
-  services.procedures.when_over(which.job,
-                                [&services, which, reply] { reply(services.jobs.get(which.job)); });
+  services.procedures.when_over(which.job, [&services, which, reply] {
+    (void)services.jobs.end_cancelled(which.job);  // if the procedure had returned before
+    reply(services.jobs.get(which.job));
+  });
 }
 
 void close_loop(Services& services, const LoopSettings& settings, const Reply<LoopReport>& reply) {
