@@ -40,15 +40,16 @@ Eigen::VectorXd prior(const std::vector<int>& modes_j, const Eigen::MatrixXd& sl
 
 }  // namespace
 
-ScanGrid scan_grid(double pupil_diameter_px, double probe_diameter_px, int rings) {
+ScanGrid scan_grid(double pupil_diameter_px, double probe_diameter_px) {
+  constexpr int kRings = 4;
   ScanGrid grid{pupil_diameter_px, probe_diameter_px, {}};
   const double reach = 0.5 * (pupil_diameter_px - probe_diameter_px);
   grid.centres_px.push_back({});
-  for (int ring = 1; ring <= rings; ++ring) {
+  for (int ring = 1; ring <= kRings; ++ring) {
     const int places = 6 * ring;
     for (int k = 0; k < places; ++k) {
       const double turn = 2.0 * std::numbers::pi * (k + 0.5 * (ring & 1)) / places;
-      grid.centres_px.push_back(reach * ring / rings * Vec2{std::cos(turn), std::sin(turn)});
+      grid.centres_px.push_back(reach * ring / kRings * Vec2{std::cos(turn), std::sin(turn)});
     }
   }
   return grid;

@@ -10,18 +10,15 @@
 
 namespace ovws {
 
-/// Rings of a scan that finds modes up to radial order 10: 61 positions with the middle.
-constexpr int kScanRings = 4;
-
 /// Scan positions of the probe's aperture, SLM pixels from the pupil's centre: in the middle and 6
-/// k on ring k. The outermost apertures touch the pupil's edge from inside, because high orders are
-/// undetermined where no aperture reaches.
+/// k on ring k of 4, which finds modes up to radial order 10. The outermost apertures touch the
+/// pupil's edge from inside, because high orders are undetermined where no aperture reaches.
 struct ScanGrid {
   double pupil_diameter_px = 0.0;
   double probe_diameter_px = 0.0;
   std::vector<Vec2> centres_px;
 };
-ScanGrid scan_grid(double pupil_diameter_px, double probe_diameter_px, int rings = kScanRings);
+ScanGrid scan_grid(double pupil_diameter_px, double probe_diameter_px);
 
 /// Maximum a posteriori fit of the modes up to radial order 10 (j = 65) to the positions of a
 /// bright probe spot (find_probe). The prior is a smooth surface, whose mode variance

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/optics/lattice.hpp"
 #include "core/port/clock.hpp"
+#include "core/wavefront/surface_scan.hpp"
 #include "daemon/ovwsd/procedures/probes.hpp"
 #include "daemon/ovwsd/procedures/saturation.hpp"
 
@@ -15,6 +17,71 @@ namespace {
 constexpr int kMaxScans = 5;
 constexpr double kMaxFlatnessChange = 0.01;  // waves RMS: a larger change is refused
 constexpr double kMaxScanResidual = 0.1;     // lambda/d RMS: limit of the fit residual
+// The scans have converged when the modes change by less than this, or than this many of their
+// standard errors.
+constexpr double kConvergedWaves = 0.003, kConvergedSigmas = 2.0;
+// Probe diameter relative to a subaperture. A bright spot's peak scales with the diameter's fourth
+// power. A vortex of charge 1 has 1/4 of a bright spot's peak, and a vortex of charge 2 has 1/10.
+constexpr double kProbeDiameter = 0.7, kProbeDiameterHighCharge = 0.5;
+
+ScanGrid grid_of(const SensorConfig& sensor) {
+  const double part = std::abs(sensor.charge) <= 1 ? kProbeDiameter : kProbeDiameterHighCharge;
+  return scan_grid(sensor.pupil_diameter_px,
+                   part * sensor.pupil_diameter_px / sensor.subapertures_across);
+}
+
+/// Shows a bright spot from each position of a ScanGrid, and fits the modes to its displacements.
+class PupilScan {
+ public:
+  /// `frames` are averaged at each position.
+  PupilScan(Bench& bench, const SensorSnapshot& now, int frames)
+      : bench_(bench),
+        probes_(bench, frames),
+        base_cpp_(base_grating_cpp(now.sensor, bench.geometry())),
+        fit_(grid_of(now.sensor), px_per_cycle(now.optics, bench.geometry())) {
+    const double subaperture_px = now.sensor.pupil_diameter_px / now.sensor.subapertures_across;
+    spots_ = {0,
+              lambda_d_px(now.optics, bench.geometry(), now.sensor) * subaperture_px /
+                  fit_.grid().probe_diameter_px,
+              lit_pixels(bench.camera().settings.pixel_format, now.optics.wavelength_nm)};
+  }
+
+  const std::vector<int>& modes_j() const { return fit_.modes_j(); }
+  double spot_lambda_d_px() const { return spots_.lambda_d_px; }
+
+  /// Scans once with `error`, except its tilts, subtracted from the hologram. `error`:
+  /// RMS-normalised waves of modes_j(). The result is the whole error: the fit removes the modes
+  /// shown. `from` .. `to`: this scan's share of the job's progress, within 0 .. 1. Errors: those
+  /// of ProbeBench::light, probe_spot and ScanFit::fit.
+  Result<ScanFit::Found> scan(const std::vector<double>& error, double from, double to) {
+    std::vector<double> shown(error.size(), 0.0);
+    Probe probe{base_cpp_, 0, {}, fit_.grid().probe_diameter_px, {}};
+    for (std::size_t k = 0; k < error.size(); ++k) {
+      if (modes_j()[k] < kFirstSurfaceMode || error[k] == 0.0) continue;
+      shown[k] = -error[k];
+      probe.modes.push_back({modes_j()[k], shown[k]});
+    }
+    std::vector<std::optional<Vec2>> at_px;
+    for (const Vec2 centre : fit_.grid().centres_px) {
+      probe.centre_px = centre;
+      const auto light = probes_.light(probe);
+      if (!light) return fail(light.error());
+      const auto spot = probe_spot(*light, spots_);
+      if (!spot) return fail(spot.error());
+      at_px.push_back(*spot ? (*spot)->fine : std::nullopt);
+      const double done = double(at_px.size()) / double(fit_.grid().centres_px.size());
+      bench_.report_progress(from + done * (to - from));
+    }
+    return fit_.fit(at_px, shown);
+  }
+
+ private:
+  Bench& bench_;
+  ProbeBench probes_;
+  Vec2 base_cpp_;
+  ScanFit fit_;
+  SpotModel spots_;
+};
 
 /// Root sum square of the difference over the modes j >= kFirstSurfaceMode.
 double rms(const std::vector<int>& modes_j, const std::vector<double>& a,
@@ -89,7 +156,7 @@ Result<MeasuredFlatness> flatness_at_this_exposure(Bench& bench, int frames) {
   for (int k = 1; k <= kMaxScans; ++k) {
     auto seen = scanner.scan(error, double(k - 1) / kMaxScans, double(k) / kMaxScans);
     if (!seen) return fail(seen.error());
-    last = std::move(seen->found);
+    last = std::move(*seen);
     measured.iterations = k;
     measured.residual_rms_waves = rms(scanner.modes_j(), last.waves, error);
     error = last.waves;
