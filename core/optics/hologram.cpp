@@ -199,13 +199,7 @@ std::vector<Mode> shown_modes(HologramKind kind, std::vector<Mode> aberration,
   std::vector<Mode> modes;
   if (kind != HologramKind::grating) modes = std::move(aberration);
   for (const Mode& correcting : correction) {
-    const auto same = std::find_if(modes.begin(), modes.end(),
-                                   [&](const Mode& mode) { return mode.j == correcting.j; });
-    if (same == modes.end()) {
-      modes.push_back({correcting.j, -correcting.waves});
-    } else {
-      same->waves -= correcting.waves;
-    }
+    add_mode(modes, {correcting.j, -correcting.waves});
   }
   return modes;
 }

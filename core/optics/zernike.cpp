@@ -1,5 +1,6 @@
 #include "core/optics/zernike.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cassert>
 #include <cmath>
@@ -76,6 +77,12 @@ std::string zernike_name(int j) {
 double zernike_rms_factor(int j) {
   const ZernikeIndex index = zernike_index(j);
   return std::sqrt((index.m == 0 ? 1.0 : 2.0) * (index.n + 1));
+}
+
+void add_mode(std::vector<Mode>& modes, const Mode& mode) {
+  const auto same = std::ranges::find(modes, mode.j, &Mode::j);
+  if (same == modes.end()) return modes.push_back(mode);
+  same->waves += mode.waves;
 }
 
 double zernike(int j, Vec2 at) {

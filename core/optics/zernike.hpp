@@ -38,6 +38,9 @@ struct Mode {
   friend bool operator==(const Mode&, const Mode&) = default;
 };
 
+/// Adds `mode` to a list, to the coefficient that the list has of it, if any.
+void add_mode(std::vector<Mode>& modes, const Mode& mode);
+
 /// RMS-normalised Zernike mode Z_j at position `at` in pupil radii: x right, y down, theta from +x
 /// towards +y.
 double zernike(int j, Vec2 at);

@@ -94,15 +94,7 @@ double SpotCorrection::distance_waves(std::span<const double> waves,
   double squares = 0.0;
   for (std::size_t k = 0; k < waves.size(); ++k) squares += std::pow(waves[k] - at_waves_[k], 2);
   std::vector<Mode> others(fixed.begin(), fixed.end());
-  for (const Mode& mode : fixed_) {
-    const auto same = std::find_if(others.begin(), others.end(),
-                                   [&](const Mode& other) { return other.j == mode.j; });
-    if (same == others.end()) {
-      others.push_back(mode);
-    } else {
-      same->waves -= mode.waves;
-    }
-  }
+  for (const Mode& mode : fixed_) add_mode(others, {mode.j, -mode.waves});
   for (const Mode& mode : others) squares += mode.waves * mode.waves;
   return std::sqrt(squares);
 }

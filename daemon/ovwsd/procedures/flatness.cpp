@@ -96,13 +96,8 @@ double rms(const std::vector<int>& modes_j, const std::vector<double>& a,
 /// Adds the previously active flatness, which was part of the hologram during the scans.
 void add_before(MeasuredFlatness& measured, const MeasuredFlatness& before) {
   for (std::size_t k = 0; k < before.modes.size(); ++k) {
-    const auto same = std::find_if(measured.modes.begin(), measured.modes.end(),
-                                   [&](const Mode& mode) { return mode.j == before.modes[k].j; });
-    if (same != measured.modes.end()) {
-      same->waves += before.modes[k].waves;
-      continue;
-    }
-    measured.modes.push_back(before.modes[k]);
+    add_mode(measured.modes, before.modes[k]);
+    if (measured.modes.size() == measured.standard_error_waves.size()) continue;
     measured.standard_error_waves.push_back(before.standard_error_waves[k]);
   }
 }

@@ -25,13 +25,7 @@ constexpr int kMaxHalvings = 2;  // of the poke amplitude
 constexpr double kMinLevel = 0.25;
 
 std::vector<Mode> with_poke(std::vector<Mode> shown, int j, double waves) {
-  const auto at =
-      std::find_if(shown.begin(), shown.end(), [j](const Mode& mode) { return mode.j == j; });
-  if (at == shown.end()) {
-    shown.push_back({j, waves});
-  } else {
-    at->waves += waves;
-  }
+  add_mode(shown, {j, waves});
   return shown;
 }
 
