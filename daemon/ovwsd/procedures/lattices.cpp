@@ -10,67 +10,55 @@ namespace {
 
 using nlohmann::json;
 
-/// Measures one lattice after another. The keys of each request count from the sensor in use.
-class Preparation {
- public:
-  Preparation(Bench& bench, const LatticePrepare& asked) : bench_(bench), asked_(asked) {
-    const SensorView now = bench.sensor();
-    before_ = {now->sensor, now->tracking};
-  }
+Result<void> calibrate(Bench& bench) {
+  const std::uint64_t epoch = bench.sensor()->sensor_epoch;
+  auto measured = measure_calibration(bench, {});
+  if (!measured) return fail(measured.error());
+  return bench.use(use_calibration(epoch, std::move(*measured)), Bench::Step::early);
+}
 
-  /// Measures the lattice; adds what was found to `result`.
-  Result<PreparedLattice> measure(const LatticeRequest& request, json& result) {
-    const SensorSettings wanted = request.sensor.applied_to(before_);
-    if (auto shown = bench_.show(SensorSet::whole(wanted), {}); !shown) return fail(shown.error());
-    if (asked_.find_exposure) {
-      if (auto found = find_exposure(bench_, {}); !found) return fail(found.error());
-    }
-    auto reference =
-        take_reference(bench_, {.frames = asked_.frames, .allow_aberration = false, .beam = {}},
-                       Bench::Step::early);
-    if (!reference) return fail(reference.error());
-    if (asked_.calibrate) {
-      if (auto calibrated = calibrate(); !calibrated) return fail(calibrated.error());
-    }
-    const SensorView now = bench_.sensor();
-    const CameraSettings camera = bench_.camera().settings;
-    result.push_back({{"name", request.name},
-                      {"subapertures", now->subapertures},
-                      {"exposure_us", camera.exposure_us},
-                      {"calibrated", now->calibration != nullptr},
-                      {"reference", std::move(*reference)}});
-    return PreparedLattice{request.name,
-                           {now->sensor, now->tracking},
-                           camera.exposure_us,
-                           camera.gain_db,
-                           camera.gain_raw,
-                           now->subapertures,
-                           utc_ns()};
+/// Measures the lattice `name` with the settings `wanted`; adds what was found to `result`.
+Result<PreparedLattice> measure_lattice(Bench& bench, const LatticePrepare& asked,
+                                        const std::string& name, const SensorSettings& wanted,
+                                        json& result) {
+  if (auto shown = bench.show(SensorSet::whole(wanted), {}); !shown) return fail(shown.error());
+  if (asked.find_exposure) {
+    if (auto found = find_exposure(bench, {}); !found) return fail(found.error());
   }
-
- private:
-  Result<void> calibrate() {
-    const std::uint64_t epoch = bench_.sensor()->sensor_epoch;
-    auto measured = measure_calibration(bench_, {});
-    if (!measured) return fail(measured.error());
-    return bench_.use(use_calibration(epoch, std::move(*measured)), Bench::Step::early);
+  auto reference = take_reference(
+      bench, {.frames = asked.frames, .allow_aberration = false, .beam = {}}, Bench::Step::early);
+  if (!reference) return fail(reference.error());
+  if (asked.calibrate) {
+    if (auto calibrated = calibrate(bench); !calibrated) return fail(calibrated.error());
   }
-
-  Bench& bench_;
-  const LatticePrepare& asked_;
-  SensorSettings before_;
-};
+  const SensorView now = bench.sensor();
+  const CameraSettings camera = bench.camera().settings;
+  result.push_back({{"name", name},
+                    {"subapertures", now->subapertures},
+                    {"exposure_us", camera.exposure_us},
+                    {"calibrated", now->calibration != nullptr},
+                    {"reference", std::move(*reference)}});
+  return PreparedLattice{name,
+                         {now->sensor, now->tracking},
+                         camera.exposure_us,
+                         camera.gain_db,
+                         camera.gain_raw,
+                         now->subapertures,
+                         utc_ns()};
+}
 
 }  // namespace
 
 Result<json> prepare_lattices(Bench& bench, const LatticePrepare& asked,
                               PreparedLattices& prepared) {
-  Preparation preparation(bench, asked);
+  const SensorView now = bench.sensor();
+  const SensorSettings before{now->sensor, now->tracking};  // from which each request counts
   json result = json::array();
   const double share = 1.0 / double(asked.lattices.size());
   for (const LatticeRequest& request : asked.lattices) {
     bench.begin_part(share * double(result.size()), share);
-    auto lattice = preparation.measure(request, result);
+    auto lattice =
+        measure_lattice(bench, asked, request.name, request.sensor.applied_to(before), result);
     if (!lattice) {
       Error error = lattice.error();
       error.reason = "lattice " + request.name + ": " + error.reason;
