@@ -34,22 +34,119 @@ class LutBench {
 
   /// Chooses exposure and patches: the largest that do not saturate. The grey level with the
   /// brightest spot becomes the fixed level.
-  Result<void> choose();
+  Result<void> choose() {
+    bool was_saturated = false;
+    for (int steps = 0; steps <= kMaxExposureSteps; ++steps) {
+      const auto fit = try_exposure();
+      if (!fit) return fail(fit.error());
+      if (*fit == Fit::good) return {};
+      if (*fit == Fit::invisible && was_saturated) return fail(no_spot());
+      was_saturated = *fit == Fit::saturated;
+      if (steps == kMaxExposureSteps) break;
+      const auto changed =
+          change_exposure(bench_, was_saturated ? 1.0 / kExposureStep : kExposureStep);
+      if (!changed) return fail(changed.error());
+      if (!*changed) break;
+    }
+    return fail(was_saturated ? saturated_spot() : no_spot());
+  }
+
   /// Finds the direction of the fringes, unless the registration tells it.
-  Result<void> find_direction();
-  Result<std::complex<double>> beat(int grey);
+  Result<void> find_direction() {
+    if (now_->registration) return {};
+    const auto light = picture(fringes(fixed_, fixed_));
+    if (!light) return fail(light.error());
+    map_ = find_fringe_rotation(
+        *light, patches_, base_spot_px(now_->optics, light->width, light->height), map_.scale());
+    return {};
+  }
+
+  Result<std::complex<double>> beat(int grey) {
+    const auto seen = read(grey, fixed_);
+    if (!seen) return fail(seen.error());
+    if (!seen->saturated) return seen->beat;
+    return fail(saturated_spot());
+  }
+
   /// Determines whether the phase rises or falls with the grey level.
-  Result<PhaseResponse> find_sign(PhaseResponse rising);
+  Result<PhaseResponse> find_sign(PhaseResponse rising) {
+    const std::array tables{linearising_lut(rising.phase_rad).lut,
+                            linearising_lut(negative(rising.phase_rad)).lut};
+    std::array<double, 4> seen_dn{};
+    for (std::size_t k = 0; k < seen_dn.size(); ++k) {
+      const auto light = blazed_dn(tables[k % 2]);
+      if (!light) return fail(light.error());
+      seen_dn[k] = *light;
+    }
+    return with_sign(std::move(rising), {seen_dn[0], seen_dn[2]}, {seen_dn[1], seen_dn[3]});
+  }
 
  private:
   enum class Fit { saturated, invisible, good };
-  Result<Fit> try_patches(double relative_diameter);
-  Result<Fit> try_exposure();
-  Painter fringes(int grey, int fixed) const;
-  Result<Image<float>> picture(const Painter& paint);
-  Result<FringeReading> read(const Painter& paint);
+
+  /// Tries one patch diameter, relative to a subaperture.
+  Result<Fit> try_patches(double relative_diameter) {
+    patches_ = fringe_patches(
+        now_->sensor, map_, relative_diameter,
+        lit_pixels(bench_.camera().settings.pixel_format, now_->optics.wavelength_nm));
+    const auto dark = read(0, 0);
+    if (!dark) return fail(dark.error());
+    double most = 0.0;
+    for (const int grey : kTrials) {
+      const auto seen = read(grey, grey);
+      if (!seen) return fail(seen.error());
+      if (seen->saturated) return Fit::saturated;
+      if (seen->brightest_dn <= most) continue;
+      most = seen->brightest_dn;
+      fixed_ = grey;
+    }
+    const bool stands_out = most > kMinContrast * std::max(1.0, dark->brightest_dn);
+    return stands_out ? Fit::good : Fit::invisible;
+  }
+
+  /// Tries the patch diameters. Small patches that do not stand out, where larger ones saturate,
+  /// mean too long an exposure.
+  Result<Fit> try_exposure() {
+    for (const double diameter : kRelativeDiameters) {
+      const auto fit = try_patches(diameter);
+      if (!fit) return fit;
+      if (*fit == Fit::good) return fit;
+      if (*fit == Fit::invisible && diameter == kRelativeDiameters.front()) return fit;
+    }
+    return Fit::saturated;
+  }
+
+  // The painter captures by value: after a cancel it may be called when `read` has returned.
+  Painter fringes(int grey, int fixed) const {
+    return [patches = patches_, sensor = now_->sensor, slm = slm_, grey, fixed](
+               const HologramRenderer&, Image<std::uint8_t>& picture) {
+      draw_fringe_patches(patches, sensor, slm, grey, fixed, picture);
+    };
+  }
+
+  Result<Image<float>> picture(const Painter& paint) {
+    if (auto shown = bench_.show(paint); !shown) return fail(shown.error());
+    return bench_.picture(frames_);
+  }
+
+  Result<FringeReading> read(const Painter& paint) {
+    const auto light = picture(paint);
+    if (!light) return fail(light.error());
+    return read_fringe(*light, patches_, base_spot_px(now_->optics, light->width, light->height),
+                       map_);
+  }
+
   Result<FringeReading> read(int grey, int fixed) { return read(fringes(grey, fixed)); }
-  Result<double> blazed_dn(const PhaseLut& lut);
+
+  Result<double> blazed_dn(const PhaseLut& lut) {
+    const auto seen = read([patches = patches_, sensor = now_->sensor, slm = slm_, lut](
+                               const HologramRenderer&, Image<std::uint8_t>& picture) {
+      draw_blazed_patch(patches, sensor, slm, lut, picture);
+    });
+    if (!seen) return fail(seen.error());
+    if (!seen->saturated) return seen->brightest_dn;
+    return fail(saturated_spot());
+  }
 
   Bench& bench_;
   SlmGeometry slm_;
@@ -59,113 +156,6 @@ class LutBench {
   FringePatches patches_;
   int fixed_ = 0;
 };
-
-Result<Image<float>> LutBench::picture(const Painter& paint) {
-  if (auto shown = bench_.show(paint); !shown) return fail(shown.error());
-  return bench_.picture(frames_);
-}
-
-Result<FringeReading> LutBench::read(const Painter& paint) {
-  const auto light = picture(paint);
-  if (!light) return fail(light.error());
-  return read_fringe(*light, patches_, base_spot_px(now_->optics, light->width, light->height),
-                     map_);
-}
-
-// The painter captures by value: after a cancel it may be called when `read` has returned.
-Painter LutBench::fringes(int grey, int fixed) const {
-  return [patches = patches_, sensor = now_->sensor, slm = slm_, grey, fixed](
-             const HologramRenderer&, Image<std::uint8_t>& picture) {
-    draw_fringe_patches(patches, sensor, slm, grey, fixed, picture);
-  };
-}
-
-Result<double> LutBench::blazed_dn(const PhaseLut& lut) {
-  const auto seen = read([patches = patches_, sensor = now_->sensor, slm = slm_, lut](
-                             const HologramRenderer&, Image<std::uint8_t>& picture) {
-    draw_blazed_patch(patches, sensor, slm, lut, picture);
-  });
-  if (!seen) return fail(seen.error());
-  if (!seen->saturated) return seen->brightest_dn;
-  return fail(saturated_spot());
-}
-
-Result<PhaseResponse> LutBench::find_sign(PhaseResponse rising) {
-  const std::array tables{linearising_lut(rising.phase_rad).lut,
-                          linearising_lut(negative(rising.phase_rad)).lut};
-  std::array<double, 4> seen_dn{};
-  for (std::size_t k = 0; k < seen_dn.size(); ++k) {
-    const auto light = blazed_dn(tables[k % 2]);
-    if (!light) return fail(light.error());
-    seen_dn[k] = *light;
-  }
-  return with_sign(std::move(rising), {seen_dn[0], seen_dn[2]}, {seen_dn[1], seen_dn[3]});
-}
-
-/// Tries one patch diameter, relative to a subaperture.
-Result<LutBench::Fit> LutBench::try_patches(double relative_diameter) {
-  patches_ =
-      fringe_patches(now_->sensor, map_, relative_diameter,
-                     lit_pixels(bench_.camera().settings.pixel_format, now_->optics.wavelength_nm));
-  const auto dark = read(0, 0);
-  if (!dark) return fail(dark.error());
-  double most = 0.0;
-  for (const int grey : kTrials) {
-    const auto seen = read(grey, grey);
-    if (!seen) return fail(seen.error());
-    if (seen->saturated) return Fit::saturated;
-    if (seen->brightest_dn <= most) continue;
-    most = seen->brightest_dn;
-    fixed_ = grey;
-  }
-  const bool stands_out = most > kMinContrast * std::max(1.0, dark->brightest_dn);
-  return stands_out ? Fit::good : Fit::invisible;
-}
-
-/// Tries the patch diameters. Small patches that do not stand out, where larger ones saturate, mean
-/// too long an exposure.
-Result<LutBench::Fit> LutBench::try_exposure() {
-  for (const double diameter : kRelativeDiameters) {
-    const auto fit = try_patches(diameter);
-    if (!fit) return fit;
-    if (*fit == Fit::good) return fit;
-    if (*fit == Fit::invisible && diameter == kRelativeDiameters.front()) return fit;
-  }
-  return Fit::saturated;
-}
-
-Result<void> LutBench::choose() {
-  bool was_saturated = false;
-  for (int steps = 0; steps <= kMaxExposureSteps; ++steps) {
-    const auto fit = try_exposure();
-    if (!fit) return fail(fit.error());
-    if (*fit == Fit::good) return {};
-    if (*fit == Fit::invisible && was_saturated) return fail(no_spot());
-    was_saturated = *fit == Fit::saturated;
-    if (steps == kMaxExposureSteps) break;
-    const auto changed =
-        change_exposure(bench_, was_saturated ? 1.0 / kExposureStep : kExposureStep);
-    if (!changed) return fail(changed.error());
-    if (!*changed) break;
-  }
-  return fail(was_saturated ? saturated_spot() : no_spot());
-}
-
-Result<void> LutBench::find_direction() {
-  if (now_->registration) return {};
-  const auto light = picture(fringes(fixed_, fixed_));
-  if (!light) return fail(light.error());
-  map_ = find_fringe_rotation(
-      *light, patches_, base_spot_px(now_->optics, light->width, light->height), map_.scale());
-  return {};
-}
-
-Result<std::complex<double>> LutBench::beat(int grey) {
-  const auto seen = read(grey, fixed_);
-  if (!seen) return fail(seen.error());
-  if (!seen->saturated) return seen->beat;
-  return fail(saturated_spot());
-}
 
 /// Measures all grey levels upwards and then downwards; the difference of the two passes shows
 /// drift. `from` .. `to`: this sweep's share of the progress.
