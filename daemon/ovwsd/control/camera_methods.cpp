@@ -34,11 +34,6 @@ void set_camera(Services& services, const CameraSet& change, const Reply<CameraS
   });
 }
 
-Result<AutoExposureReport> expose(const Services& /*services*/, Bench& bench,
-                                  const AutoExposure& asked) {
-  return set_exposure(bench, asked);
-}
-
 void grab(Services& services, const CameraGrab& params, const Reply<GrabReport>& reply) {
   services.grabs.grab(params, [reply](const Result<GrabReport>& grabbed, auto pixels) {
     if (!grabbed) return reply(grabbed.error());
@@ -79,8 +74,8 @@ void select_camera(Services& services, const CameraSelect& params,
 }
 
 constexpr std::array kCameraRows{
-    row<kCameraAutoExposure, run<kCameraAutoExposure, expose, check_no_sequence>>(Role::control,
-                                                                                  Request::run_job),
+    row<kCameraAutoExposure, run<kCameraAutoExposure, set_exposure, check_no_sequence>>(
+        Role::control, Request::run_job),
     row<kCameraGet, get_camera>(Role::read, Request::read),
     row<kCameraGrab, grab>(Role::read, Request::grab),
     row<kCameraList, list_cameras>(Role::read, Request::read),

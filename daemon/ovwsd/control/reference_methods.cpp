@@ -32,7 +32,7 @@ KnownReference reference_of(const Services& services, const SensorSnapshot& now)
                           rms_waves(r.introduced)}};
 }
 
-Result<Json> refer(const Services& /*services*/, Bench& bench, const ReferenceTake& take) {
+Result<Json> refer(Bench& bench, const ReferenceTake& take) {
   return take_reference(bench, take);
 }
 

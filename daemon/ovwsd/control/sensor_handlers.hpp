@@ -48,13 +48,19 @@ Result<Json> json_result(const Result<T>& result) {
 }
 
 /// Starts the job of a method with the lease of the call, and replies with its number. Its result
-/// is that of `measure(services, bench, params)`. `can`: see Procedures::Start.
+/// is that of `measure(services, bench, params)`, or of `measure(bench, params)`. `can`: see
+/// Procedures::Start.
 template <const auto& method, auto measure>
 void run_if(Services& services,
             const typename std::remove_cvref_t<decltype(method)>::Params& params,
             const Reply<JobNumber>& reply, std::function<Result<void>(const SensorSnapshot&)> can) {
   const auto procedure = [&services, params](Bench& bench) {
-    return json_result(measure(services, bench, params));
+    (void)services;  // a measurement of the bench alone takes none
+    if constexpr (std::is_invocable_v<decltype(measure), Bench&, decltype(params)>) {
+      return json_result(measure(bench, params));
+    } else {
+      return json_result(measure(services, bench, params));
+    }
   };
   services.procedures.start(reply.take_lease(), {method.name, procedure, std::move(can)},
                             [reply](const Result<int>& job) {

@@ -171,7 +171,7 @@ Result<Json> flatten(const Services& services, Bench& bench, const FlatnessRun& 
   return use<flatness_of>(services, bench, use_flatness(epoch, std::move(*flatness)));
 }
 
-Result<MapReport> map_bench(const Services& /*services*/, Bench& bench, const MapRun& run) {
+Result<MapReport> map_bench(Bench& bench, const MapRun& run) {
   const std::uint64_t epoch = bench.sensor()->sensor_epoch;
   auto map = measure_map(bench, run);
   if (!map) return fail(map.error());
@@ -182,10 +182,6 @@ Result<MapReport> map_bench(const Services& /*services*/, Bench& bench, const Ma
     map->report.applied = true;
   }
   return map->report;
-}
-
-Result<FocusReport> focus(const Services& /*services*/, Bench& bench, const FocusRun& run) {
-  return measure_focus(bench, run.frames);
 }
 
 LutReport lut_of(const Services& services, const SensorSnapshot& now) {
@@ -347,7 +343,7 @@ constexpr std::array kSensorRows{
     row<kFlatnessRun, run<kFlatnessRun, flatten>>(Role::control, Request::run_hologram_job),
     row<kFlatnessGet, get<flatness_of>>(Role::read, Request::read),
     row<kFlatnessClear, clear<flatness_of, forget_flatness>>(Role::control, Request::set_measured),
-    row<kFocusRun, run<kFocusRun, focus>>(Role::control, Request::run_hologram_job),
+    row<kFocusRun, run<kFocusRun, measure_focus>>(Role::control, Request::run_hologram_job),
     row<kLutRun, run_lut>(Role::control, Request::run_hologram_job),
     row<kLutGet, get<lut_of>>(Role::read, Request::read),
     row<kLutClear, clear<lut_of, forget_lut>>(Role::control, Request::set_measured),

@@ -88,14 +88,14 @@ FocusReport report_of(const PointModel& model, const SensorSnapshot& now, const 
 
 }  // namespace
 
-Result<FocusReport> measure_focus(Bench& bench, int frames) {
+Result<FocusReport> measure_focus(Bench& bench, const FocusRun& run) {
   const SlmGeometry& slm = bench.geometry();
   if (auto able = can_scan(*bench.sensor()); !able) return fail(able.error());
   if (auto shown = bench.show(std::vector<Mode>{}); !shown) return fail(shown.error());
   const SensorView now = bench.sensor();
   auto modes_j = determined_modes(*now, slm);
   if (!modes_j) return fail(modes_j.error());
-  const auto spots = bench.spots(frames);
+  const auto spots = bench.spots(run.frames);
   if (!spots) return fail(spots.error());
   const double lambda_d = lambda_d_px(now->optics, slm, now->sensor);
   if (auto still = check_average(*spots, kMaxMotion * lambda_d); !still) return fail(still.error());
@@ -106,7 +106,7 @@ Result<FocusReport> measure_focus(Bench& bench, int frames) {
                             found, spots->found.size()));
   }
   bench.report_progress(0.4);
-  auto mean_dn = bench.picture(frames);
+  auto mean_dn = bench.picture(run.frames);
   if (!mean_dn) return fail(mean_dn.error());
   bench.report_progress(0.8);
   const CameraSettings camera = bench.camera().settings;
@@ -118,7 +118,7 @@ Result<FocusReport> measure_focus(Bench& bench, int frames) {
                 "no wavefront explains the image of the spots: " + model.error().reason);
   }
   FocusReport report = report_of(*model, seen, slm);
-  report.frames = frames;
+  report.frames = run.frames;
   report.exposure_us = camera.exposure_us;
   return report;
 }

@@ -66,7 +66,7 @@ Result<MeasuredFlatness> measure_flatness(Bench& bench, int frames);
 /// without an introduced aberration. Active flatness is part of the hologram; the result is what is
 /// left. Errors: those of can_scan and check_average; Errc::refused: too few spots are found (field
 /// "camera.exposure_us") or determine no defocus, or no wavefront explains the image.
-Result<FocusReport> measure_focus(Bench& bench, int frames);
+Result<FocusReport> measure_focus(Bench& bench, const FocusRun& run);
 
 /// Result of map.run with the maps that its report contains encoded.
 struct BenchMap {
