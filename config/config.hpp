@@ -12,6 +12,7 @@
 #include "core/optics/geometry.hpp"
 #include "core/pipeline/pipeline.hpp"
 #include "core/port/camera.hpp"
+#include "core/port/display.hpp"
 #include "core/tracking/tracker.hpp"
 
 namespace ovws {
@@ -28,14 +29,11 @@ struct CameraConfig {
   double transfer_ms = 10.0;  ///< longest time from the end of an exposure to the frame's arrival
 };
 
-struct SlmConfig {
+struct SlmConfig : SlmSettings {
   std::string driver = "sdl";
-  std::string display = "DUMMY1";       ///< output name, e.g. "HDMI-1"
   SlmGeometry geometry;                 ///< keys width, height, pitch_um
   std::optional<std::string> lut;       ///< table file: 256 grey levels for equal phase steps
   std::optional<std::string> flatness;  ///< flatness map file: see config/README.md
-  double settle_ms = 20.0;
-  bool allow_primary = false;
 };
 
 enum class Modulator {

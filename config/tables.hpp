@@ -7,6 +7,7 @@
 #include "config/config.hpp"
 #include "proto/endpoint.hpp"
 #include "proto/tables/camera.hpp"
+#include "proto/tables/devices.hpp"
 #include "proto/tables/optics.hpp"
 #include "proto/tables/refine.hpp"
 #include "proto/tables/sensor.hpp"
@@ -49,16 +50,14 @@ inline constexpr auto kTable<CameraConfig> =
                limits::kTransferMs)};
 
 template <>
-inline constexpr auto kTable<SlmConfig> = Fields{
-    "SlmConfig",
-    field<&SlmConfig::driver>("which display driver").checked(is_empty),
-    field<&SlmConfig::display>("name of the output, e.g. HDMI-1").checked(is_empty),
-    inlined(&SlmConfig::geometry),
-    field<&SlmConfig::lut>("look-up table: file of 256 grey levels; null: linear"),
-    field<&SlmConfig::flatness>("flatness map: file of the phase to add at each pixel; null: none"),
-    field<&SlmConfig::settle_ms>("settle time after a new hologram, milliseconds",
-                                 limits::kSettleMs),
-    field<&SlmConfig::allow_primary>("whether the only or primary display may be the SLM")};
+inline constexpr auto kTable<SlmConfig> =
+    Fields{"SlmConfig",
+           field<&SlmConfig::driver>("which display driver").checked(is_empty),
+           based<SlmSettings>(),
+           inlined(&SlmConfig::geometry),
+           field<&SlmConfig::lut>("look-up table: file of 256 grey levels; null: linear"),
+           field<&SlmConfig::flatness>(
+               "flatness map: file of the phase to add at each pixel; null: none")};
 
 template <>
 inline constexpr NamesOf kNames<Modulator> = texts<"slm", "fixed", "dmd">;

@@ -5,7 +5,7 @@
 #include "proto/messages.hpp"
 #include "proto/method.hpp"
 #include "proto/requests.hpp"
-#include "proto/tables/slm_change.hpp"
+#include "proto/tables/devices.hpp"
 
 namespace ovws {
 
@@ -338,7 +338,7 @@ inline constexpr auto kSlmPresent =
         "name it, and each begins the lease again. When the lease ends, or with job.cancel, the "
         "previous hologram returns. The camera's settings may be changed meanwhile.")
         .taking("pixels of the picture without padding, as dtype and shape say");
-inline constexpr auto kSlmSet = method<SlmChange, SlmSettings>(
+inline constexpr auto kSlmSet = method<SlmSet, SlmSettings>(
     "slm.set",
     "Changes the SLM's output or settle time, all or nothing; omitted keys stay unchanged. Another "
     "output is opened at once; if it cannot drive the SLM, the former one stays in use. The result "

@@ -1,4 +1,5 @@
-/// The display port: an output that shows the SLM's grey levels or a DMD's bits, pixel for pixel.
+/// The display port: outputs of the display system, one of which shows the SLM's grey levels or a
+/// DMD's bits, pixel for pixel.
 #pragma once
 
 #include <cstdint>
@@ -14,6 +15,25 @@ struct DisplayInfo {
   int width = 0, height = 0;
   double refresh_hz = 0.0;
   std::string driver;  ///< "x11", "wayland", "KMSDRM"
+};
+
+/// The SLM's settings that can change at run time.
+struct SlmSettings {
+  std::string display = "DUMMY1";  ///< output name, e.g. "HDMI-1"
+  bool allow_primary = false;      ///< the only or the primary output may be the SLM
+  double settle_ms = 20.0;         ///< from presenting a hologram until the SLM has settled
+  friend bool operator==(const SlmSettings&, const SlmSettings&) = default;
+};
+
+/// An output of the display system, open or not.
+struct DisplayOutput {
+  std::string name;
+  std::string monitor;  ///< name of the monitor or SLM; empty: unknown
+  bool connected = false, on = false, primary = false;
+  int width = 0, height = 0;  ///< video mode, pixels; 0 x 0: off
+  double refresh_hz = 0.0;
+  std::string reason;     ///< why it cannot be the SLM, and what to do; empty: it can
+  bool selected = false;  ///< it is the configured output
 };
 
 /// One open display output. Call all methods from the main thread. If `present` or `check` fails,

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "core/port/display.hpp"
-#include "core/port/display_output.hpp"
 
 namespace ovws {
 

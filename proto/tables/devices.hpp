@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/port/display_output.hpp"
+#include "core/port/display.hpp"
 #include "proto/field_json.hpp"
 
 namespace ovws {
@@ -80,13 +80,6 @@ template <>
 inline constexpr auto kTable<OutputList> =
     Fields{"OutputList", field<&OutputList::outputs>("all outputs, in the display system's order")};
 
-/// The SLM's settings that can change at run time.
-struct SlmSettings {
-  std::string display;
-  bool allow_primary = false;
-  double settle_ms = 0.0;
-  friend bool operator==(const SlmSettings&, const SlmSettings&) = default;
-};
 template <>
 inline constexpr auto kTable<SlmSettings> = Fields{
     "SlmSettings",

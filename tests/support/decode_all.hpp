@@ -7,7 +7,6 @@
 #include "proto/tables/files.hpp"
 #include "proto/tables/lattices.hpp"
 #include "proto/tables/picture.hpp"
-#include "proto/tables/slm_change.hpp"
 
 namespace ovws::test {
 
@@ -25,7 +24,7 @@ inline void decode_all(const Json& params) {
   (void)decode<MapRun>(params);
   (void)decode<FocusRun>(params);
   (void)decode<CameraSelect>(params);
-  (void)decode<SlmChange>(params);
+  (void)SlmSet::decode(params);
   (void)decode<ReferenceName>(params);
   (void)decode<LatticePrepare>(params);
   (void)decode<LatticeName>(params);

@@ -311,11 +311,7 @@ void list_outputs(Services& services, const Reply<OutputList>& reply) {
   });
 }
 
-void set_slm(Services& services, const SlmChange& given, const Reply<SlmSettings>& reply) {
-  SlmSet change;
-  if (given.display) change.put(&SlmSettings::display, *given.display);
-  if (given.allow_primary) change.put(&SlmSettings::allow_primary, *given.allow_primary);
-  if (given.settle_ms) change.put(&SlmSettings::settle_ms, *given.settle_ms);
+void set_slm(Services& services, const SlmSet& change, const Reply<SlmSettings>& reply) {
   services.slm.change(change, reply);
 }
 

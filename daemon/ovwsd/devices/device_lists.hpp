@@ -5,7 +5,7 @@
 
 #include "config/config.hpp"
 #include "core/base/result.hpp"
-#include "core/port/display_output.hpp"
+#include "core/port/display.hpp"
 #include "proto/tables/devices.hpp"
 
 namespace ovws {

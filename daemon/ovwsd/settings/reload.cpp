@@ -134,7 +134,7 @@ void Reloader::roll_back(const ReloadPtr& reload, std::size_t parts) {
 }
 
 void Reloader::apply_slm(const ReloadPtr& /*reload*/, const Config& to, const Done& done) {
-  const SlmSettings now = deps_.slm.snapshot().settings, wanted = settings_of(to.slm);
+  const SlmSettings now = deps_.slm.snapshot().settings, wanted = to.slm;
   if (now == wanted) return done({});
   deps_.slm.change(SlmSet::difference(now, wanted),
                    [done](const Result<SlmSettings>& used) { done(outcome_of(used)); });

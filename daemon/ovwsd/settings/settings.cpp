@@ -42,7 +42,7 @@ Config Settings::with(const CameraSnapshot& camera) const {
   now.log.level = loaded.log.level;
   now.camera.id = camera.id;
   now.camera.settings = camera.settings;
-  use_settings(now.slm, slm_.snapshot().settings);
+  static_cast<SlmSettings&>(now.slm) = slm_.snapshot().settings;
   if (started_.sensor.lenslets.empty()) now.sensor = sensor->sensor;
   now.tracking = sensor->tracking;
   now.refine = in_format(refiner_.settings(), now.camera.settings.pixel_format);

@@ -66,21 +66,11 @@ Error changed_levels(const SeenLevels& seen, double share) {
 
 }  // namespace
 
-SlmSettings settings_of(const SlmConfig& config) {
-  return {config.display, config.allow_primary, config.settle_ms};
-}
-
-void use_settings(SlmConfig& config, const SlmSettings& settings) {
-  config.display = settings.display;
-  config.allow_primary = settings.allow_primary;
-  config.settle_ms = settings.settle_ms;
-}
-
 SlmLoop::SlmLoop(SlmConfig config, SlmLoopDeps deps)
     : config_(std::move(config)), deps_(std::move(deps)) {
   snapshot_.change([this](SlmSnapshot& now) {
     now.fault = "not opened yet";
-    now.settings = settings_of(config_);
+    now.settings = config_;
   });
 }
 
@@ -192,10 +182,10 @@ void SlmLoop::change(SlmSet change, const SettingsDone& done) {
 }
 
 Result<SlmSettings> SlmLoop::use(const Change& asked) {
-  const SlmSettings before = settings_of(config_), wanted = asked.change.applied_to(before);
+  const SlmSettings wanted = asked.change.applied_to(config_);
   SlmConfig next = config_;
-  use_settings(next, wanted);
-  if (next.display != before.display || next.allow_primary != before.allow_primary) {
+  static_cast<SlmSettings&>(next) = wanted;
+  if (next.display != config_.display || next.allow_primary != config_.allow_primary) {
     if (auto usable = check_output(next); !usable) return fail(usable.error());
     if (auto opened = reopen(next); !opened) return fail(opened.error());
   }
@@ -346,7 +336,7 @@ void SlmLoop::publish_snapshot(const std::optional<Error>& why) {
   now.refresh_wait_ns = refresh_wait_ns_;
   if (why) now.fault = why->reason;
   now.at_fault = why && needs_intervention(*why);
-  now.settings = settings_of(config_);
+  now.settings = config_;
   const SlmSnapshot before = snapshot_.get();
   snapshot_.change([&](SlmSnapshot& published) {
     if (now.healthy != before.healthy || now.fault != before.fault) deps_.on_change(now);

@@ -70,10 +70,6 @@ struct SlmLoopDeps {
   std::function<void(const SlmSnapshot&)> on_change;
 };
 
-/// The settings of a configuration that can change at run time, and a configuration with others.
-SlmSettings settings_of(const SlmConfig& config);
-void use_settings(SlmConfig& config, const SlmSettings& settings);
-
 class SlmLoop : public Agent {
  public:
   SlmLoop(SlmConfig config, SlmLoopDeps deps);

@@ -19,7 +19,6 @@
 #include "proto/tables/picture.hpp"
 #include "proto/tables/set.hpp"
 #include "proto/tables/slm.hpp"
-#include "proto/tables/slm_change.hpp"
 #include "proto/tables/status.hpp"
 
 namespace ovws {
@@ -398,7 +397,7 @@ void print_all_params() {
   print_params<MapRun>("map.run", {"patterns", "frames", "cells", "apply", "frame"});
   print_params<CameraSelect>("camera.select", {"id", "wait", "wait_for"}, 2000);
   print_params<ConfigSave>("config.save", {"preview", "previews"}, 2000);
-  print_params<SlmChange>("slm.set", {"display", "allow_primary", "settle_ms", "settle"});
+  print_params<SlmSet>("slm.set", {"display", "allow_primary", "settle_ms", "settle"});
   print_params<SettleRun>("slm.settle", {"repetitions", "watch_ms", "frames"});
   print_params<AutoExposure>("camera.auto_exposure", {"target", "max_exposure_us", "targets"});
   print_params<LutRun>("lut.run", {"levels", "frames", "level"});
