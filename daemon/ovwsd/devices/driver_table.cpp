@@ -50,35 +50,41 @@ constexpr std::array kCameras{Row<CameraConfig, Camera>{"aravis", open_aravis},
 constexpr std::array kDisplays{Row<SlmConfig, Display>{"sdl", open_sdl},
                                Row<SlmConfig, Display>{"none", open_none}};
 
+/// The row of a driver. Errc::invalid with this field: there is none.
 template <class Table>
-std::vector<std::string> names_of(const Table& table) {
-  std::vector<std::string> names;
-  for (const auto& row : table) names.emplace_back(row.name);
-  return names;
+Result<typename Table::value_type> row_of(const Table& table, const char* field,
+                                          const std::string& name) {
+  std::string names;
+  for (const auto& row : table) {
+    if (name == row.name) return row;
+    names += (names.empty() ? "" : ", ") + std::string(row.name);
+  }
+  return fail(Errc::invalid, field, "there is no driver \"" + name + "\": choose one of " + names);
+}
+
+auto row_of(const CameraConfig& config) {
+  return row_of(kCameras, "camera.driver", config.driver);
+}
+auto row_of(const SlmConfig& config) {
+  return row_of(kDisplays, "slm.driver", config.driver);
 }
 
 }  // namespace
 
 Result<std::unique_ptr<Camera>> open_camera(const CameraConfig& config) {
-  for (const auto& row : kCameras) {
-    if (config.driver == row.name) return row.open(config);
-  }
-  return fail(Errc::invalid, "camera.driver",
-              "there is no camera driver \"" + config.driver + "\"");
+  const auto row = row_of(config);
+  return row ? row->open(config) : fail(row.error());
 }
 
 Result<std::unique_ptr<Display>> open_display(const SlmConfig& config) {
-  for (const auto& row : kDisplays) {
-    if (config.driver == row.name) return row.open(config);
-  }
-  return fail(Errc::invalid, "slm.driver", "there is no display driver \"" + config.driver + "\"");
+  const auto row = row_of(config);
+  return row ? row->open(config) : fail(row.error());
 }
 
-std::vector<std::string> camera_driver_names() {
-  return names_of(kCameras);
-}
-std::vector<std::string> display_driver_names() {
-  return names_of(kDisplays);
+Result<void> check_drivers(const Config& config) {
+  if (const auto camera = row_of(config.camera); !camera) return fail(camera.error());
+  const auto display = row_of(config.slm);
+  return display ? Result<void>{} : fail(display.error());
 }
 
 }  // namespace ovws

@@ -3,8 +3,6 @@
 #pragma once
 
 #include <memory>
-#include <string>
-#include <vector>
 
 #include "config/config.hpp"
 #include "core/port/camera.hpp"
@@ -19,7 +17,7 @@ Result<std::unique_ptr<Camera>> open_camera(const CameraConfig& config);
 /// driver's name is not in the table.
 Result<std::unique_ptr<Display>> open_display(const SlmConfig& config);
 
-std::vector<std::string> camera_driver_names();
-std::vector<std::string> display_driver_names();
+/// Whether the configured drivers are in the table. Errors: as above, with the drivers that are.
+Result<void> check_drivers(const Config& config);
 
 }  // namespace ovws

@@ -1,7 +1,5 @@
 #include "daemon/ovwsd/settings/config_check.hpp"
 
-#include <algorithm>
-
 #include "core/optics/hologram.hpp"
 #include "core/tracking/tracker.hpp"
 #include "daemon/ovwsd/devices/driver_table.hpp"
@@ -13,14 +11,6 @@
 
 namespace ovws {
 namespace {
-
-Result<void> check_driver(const char* field, const std::string& name,
-                          const std::vector<std::string>& known) {
-  if (std::find(known.begin(), known.end(), name) != known.end()) return {};
-  std::string names;
-  for (const auto& one : known) names += (names.empty() ? "" : ", ") + one;
-  return fail(Errc::invalid, field, "there is no driver \"" + name + "\": choose one of " + names);
-}
 
 Result<void> check_modulator(const Config& config) {
   const bool fixed = config.modulator == Modulator::fixed;
@@ -42,13 +32,7 @@ Result<void> check_modulator(const Config& config) {
 }  // namespace
 
 Result<void> check_usable(const Config& config) {
-  if (auto known = check_driver("camera.driver", config.camera.driver, camera_driver_names());
-      !known) {
-    return known;
-  }
-  if (auto known = check_driver("slm.driver", config.slm.driver, display_driver_names()); !known) {
-    return known;
-  }
+  if (auto known = check_drivers(config); !known) return known;
   if (auto right = check_modulator(config); !right) return right;
   if (auto there = check_cpus(config.pipeline.cpus); !there) return there;
   const auto hologram = load_hologram_config(config);
