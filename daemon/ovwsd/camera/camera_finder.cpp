@@ -13,12 +13,7 @@ constexpr std::chrono::milliseconds kMaxIdle(50);
 }  // namespace
 
 void CameraFinder::list(Listed done) {
-  {
-    const std::lock_guard lock(mutex_);
-    if (closed_) return;
-    waiting_.push_back(std::move(done));
-  }
-  asked_.notify_one();
+  mailbox_.post([this, done = std::move(done)] { waiting_.push_back(done); });
 }
 
 void CameraFinder::find(const std::string& id, std::function<void(Result<void>)> done) {
@@ -30,22 +25,13 @@ void CameraFinder::find(const std::string& id, std::function<void(Result<void>)>
 }
 
 bool CameraFinder::do_work() {
-  std::vector<Listed> asked;
-  {
-    std::unique_lock lock(mutex_);
-    if (!asked_.wait_for(lock, kMaxIdle, [this] { return !waiting_.empty(); })) return false;
-    asked.swap(waiting_);
+  if (!mailbox_.run_one(kMaxIdle)) return false;
+  while (mailbox_.run_one(std::chrono::milliseconds(0))) {
   }
+  const std::vector<Listed> asked = std::exchange(waiting_, {});  // an exception drops them
   const std::vector<CameraListing> listed = list_cameras(config_());
   for (const Listed& done : asked) done(listed);
   return true;
-}
-
-void CameraFinder::on_close() {
-  std::vector<Listed> dropped;  // destroyed after the unlock
-  const std::lock_guard lock(mutex_);
-  closed_ = true;
-  dropped.swap(waiting_);
 }
 
 }  // namespace ovws

@@ -1,14 +1,15 @@
 /// Discovers cameras, in a thread of its own, because that takes a second.
 #pragma once
 
-#include <condition_variable>
 #include <functional>
-#include <mutex>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "config/config.hpp"
 #include "core/base/result.hpp"
 #include "core/rt/agent.hpp"
+#include "daemon/ovwsd/actor/mailbox.hpp"
 #include "proto/tables/devices.hpp"
 
 namespace ovws {
@@ -28,14 +29,12 @@ class CameraFinder : public Agent {
   void find(const std::string& id, std::function<void(Result<void>)> done);
 
   bool do_work() override;
-  void on_close() override;
+  void on_close() override { mailbox_.close(); }
 
  private:
   std::function<CameraConfig()> config_;
-  std::mutex mutex_;
-  std::condition_variable asked_;
-  std::vector<Listed> waiting_;
-  bool closed_ = false;
+  std::vector<Listed> waiting_;  ///< for the next discovery
+  Mailbox mailbox_;
 };
 
 }  // namespace ovws
