@@ -316,10 +316,7 @@ void set_slm(Services& services, const SlmSet& change, const Reply<SlmSettings>&
 }
 
 void verify(Services& services, const Reply<VerifyReport>& reply) {
-  services.slm.verify([reply](const Result<SlmVerdict>& seen) {
-    if (!seen) return reply(seen.error());
-    reply(VerifyReport{seen->hologram_id, seen->crc32, seen->crc32_shown, seen->differing_pixels});
-  });
+  services.slm.verify(reply);
 }
 
 constexpr std::array kSensorRows{

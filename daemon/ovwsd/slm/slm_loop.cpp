@@ -11,6 +11,7 @@
 #include "daemon/ovwsd/devices/device_lists.hpp"
 #include "daemon/ovwsd/devices/driver_table.hpp"
 #include "proto/limits.hpp"
+#include "proto/tables/slm.hpp"
 
 namespace ovws {
 namespace {
@@ -210,7 +211,7 @@ Result<void> SlmLoop::reopen(const SlmConfig& config) {
   return fail(why);
 }
 
-Result<SlmVerdict> SlmLoop::compare_output() {
+Result<VerifyReport> SlmLoop::compare_output() {
   if (!display_) {
     return fail(Errc::unavailable, "slm", "there is no display: " + snapshot_.get().fault);
   }
@@ -219,8 +220,8 @@ Result<SlmVerdict> SlmLoop::compare_output() {
   if (!shown) return fail(shown.error());
   const std::vector<std::uint8_t>& given = requested_->levels->pixels;
   const SeenLevels seen = compared(*shown, given);
-  const SlmVerdict verdict{requested_->hologram_id, crc32_of(given), crc32_of(seen.levels),
-                           seen.differing_pixels};
+  const VerifyReport verdict{requested_->hologram_id, crc32_of(given), crc32_of(seen.levels),
+                             seen.differing_pixels};
   if (verdict.differing_pixels > 0) {
     deps_.counters.add(Counter::display_faults);
     deps_.events.emit("slm", Severity::error,

@@ -28,6 +28,8 @@
 
 namespace ovws {
 
+struct VerifyReport;
+
 /// Hologram to present, with the numbers that the frame path needs.
 struct HologramRequest {
   std::uint64_t hologram_id = 0;
@@ -50,14 +52,6 @@ struct SlmSnapshot {
   std::string fault;                   ///< why the SLM is not healthy; empty if healthy
   bool at_fault = false;  ///< a person must fix the fault before the display can be used
   SlmSettings settings;
-};
-
-/// Readback check of the display: compares its buffer with the presented hologram.
-struct SlmVerdict {
-  std::uint64_t hologram_id = 0;
-  std::uint32_t crc32 = 0;        ///< CRC-32 of the presented levels, row by row
-  std::uint32_t crc32_shown = 0;  ///< CRC-32 of the levels read back
-  int differing_pixels = 0;
 };
 
 struct SlmLoopDeps {
@@ -91,7 +85,7 @@ class SlmLoop : public Agent {
 
   // `verify` and `list_outputs` keep the main thread from presenting holograms: both together have
   // a tenth of its time (TimeShare). Each answers all requests that wait for it at once.
-  using VerifyDone = std::function<void(const Result<SlmVerdict>&)>;
+  using VerifyDone = std::function<void(const Result<VerifyReport>&)>;
   /// Reads back the display's buffer and compares it with the hologram presented last. Thread-safe;
   /// `done` is called in the main thread (after close: in the caller's). A difference is also
   /// reported as an event. Errors: there is no display or no hologram, or the display system does
@@ -134,7 +128,7 @@ class SlmLoop : public Agent {
   Pending wait_for_work();
   void inspect(const Pending& asked);
   void carry_out(Job& job);
-  Result<SlmVerdict> compare_output();
+  Result<VerifyReport> compare_output();
   Result<SlmSettings> use(const Change& asked);
   Result<void> reopen(const SlmConfig& config);
   void try_open();

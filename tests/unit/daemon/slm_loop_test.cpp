@@ -9,6 +9,7 @@
 
 #include "daemon/ovwsd/actor/stream_queue.hpp"
 #include "daemon/ovwsd/devices/driver_table.hpp"
+#include "proto/tables/slm.hpp"
 #include "tests/support/time.hpp"
 
 namespace ovws {
@@ -148,7 +149,7 @@ TEST_F(Opening, ReadBackLeavesTheDisplaysTimeToHolograms) {
   const int presented = compositor_.presented, read = compositor_.read;
   int answers = 0;
   const auto turn = [&](std::uint64_t hologram_id) {
-    loop_.verify([&](const Result<SlmVerdict>&) { ++answers; });
+    loop_.verify([&](const Result<VerifyReport>&) { ++answers; });
     const auto levels = std::make_shared<const Image<std::uint8_t>>(kWidth, kHeight);
     loop_.show_when_possible({hologram_id, 3, HologramKind::sensor, levels});
     loop_.do_work();
