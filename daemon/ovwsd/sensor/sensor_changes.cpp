@@ -107,13 +107,4 @@ SensorChange show_request(ShowRequest what) {
   };
 }
 
-SensorChange restore_previous() {
-  return [](SensorEdit& edit) -> Result<void> {
-    if (!edit.before_job) return {};
-    static_cast<SensorShown&>(edit.state) = *edit.before_job;
-    edit.state.painted.reset();
-    return {};
-  };
-}
-
 }  // namespace ovws

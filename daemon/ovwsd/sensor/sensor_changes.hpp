@@ -39,8 +39,6 @@ struct ShowRequest {
   SensorSet sensor{};  ///< settings of sensor and tracking to change
 };
 SensorChange show_request(ShowRequest what);
-/// Restores the hologram and sensor settings from before the job.
-SensorChange restore_previous();
 
 // Results of jobs: the following changes activate and store a result. `sensor_epoch`: the epoch
 // when the job began. Errc::refused, field "camera", if the epoch has changed since.

@@ -175,7 +175,8 @@ void SensorKeeper::plan_again(SensorEdit edit) {
 
 void SensorKeeper::restore_from_before_job() {
   SensorEdit edit = new_edit();
-  (void)restore_previous()(edit);
+  static_cast<SensorShown&>(edit.state) = *before_job_;
+  edit.state.painted.reset();
   before_job_.reset();
   if (same_hologram(edit.state, state_) && edit.state.tracking == state_.tracking) return;
   const auto restored = activate(edit, Show::when_possible);
