@@ -10,17 +10,6 @@ namespace {
 
 constexpr std::size_t kMaxImages = 8;  // mean images kept in memory: some MiB each
 
-template <class T>
-Shared<T> take_if_applies(Shared<T>& all, const BenchKey& now, respect::Set except = 0) {
-  Shared<T> taken;
-  std::erase_if(all, [&](const auto& one) {
-    if (differing(respects_of(*one) & ~except, one->key, now) != 0) return false;
-    taken.push_back(one);
-    return true;
-  });
-  return taken;
-}
-
 /// The newest that applies; null: none does.
 template <class T>
 std::shared_ptr<const T> newest_for(const Shared<T>& all, const BenchKey& now) {
@@ -41,6 +30,16 @@ std::shared_ptr<const Reference> reference_for(const SensorState& state, const B
   auto model = std::make_shared<Reference>(*found);
   model->positions_px = model_positions(state, bench);
   return model;
+}
+
+void drop_old_images(Shared<Calibration>&) {}
+void drop_old_images(Shared<Reference>& all) {
+  for (std::size_t i = 0; i + kMaxImages < all.size(); ++i) {
+    if (!all[i]->picture) continue;
+    auto without = std::make_shared<Reference>(*all[i]);
+    without->picture.reset();
+    all[i] = std::move(without);
+  }
 }
 
 }  // namespace
@@ -120,32 +119,28 @@ std::string missing_calibration_reason(const SensorState& state, const Knowledge
                      words_of(fewest, closest->key, now));
 }
 
-void add_references(Knowledge& knowledge, const Shared<Reference>& more) {
-  auto& all = knowledge.references;
+template <class T>
+void add_items(Knowledge& knowledge, const Shared<T>& more) {
+  Shared<T>& all = knowledge.*kLoaded<T>;
   all.insert(all.end(), more.begin(), more.end());
-  while (all.size() > kReferenceItems.most) all.erase(all.begin());
-  for (std::size_t i = 0; i + kMaxImages < all.size(); ++i) {
-    if (!all[i]->picture) continue;
-    auto without = std::make_shared<Reference>(*all[i]);
-    without->picture.reset();
-    all[i] = std::move(without);
-  }
+  while (all.size() > ItemOf<T>::kKind.most) all.erase(all.begin());
+  drop_old_images(all);
 }
+template void add_items(Knowledge&, const Shared<Reference>&);
+template void add_items(Knowledge&, const Shared<Calibration>&);
 
-void add_calibrations(Knowledge& knowledge, const Shared<Calibration>& more) {
-  auto& all = knowledge.calibrations;
-  all.insert(all.end(), more.begin(), more.end());
-  while (all.size() > kCalibrationItems.most) all.erase(all.begin());
+template <class T>
+Shared<T> remove_items(Knowledge& knowledge, const SensorState& state, const BenchOptics& bench) {
+  const BenchKey now = key_of(state, knowledge, bench);
+  Shared<T> removed;
+  std::erase_if(knowledge.*kLoaded<T>, [&](const auto& one) {
+    if (differing(respects_of(*one) & ~respect::kPlaces, one->key, now) != 0) return false;
+    removed.push_back(one);
+    return true;
+  });
+  return removed;
 }
-
-Shared<Reference> remove_references(Knowledge& knowledge, const SensorState& state,
-                                    const BenchOptics& bench) {
-  return take_if_applies(knowledge.references, key_of(state, knowledge, bench), respect::kPlaces);
-}
-
-Shared<Calibration> remove_calibrations(Knowledge& knowledge, const SensorState& state,
-                                        const BenchOptics& bench) {
-  return take_if_applies(knowledge.calibrations, key_of(state, knowledge, bench));
-}
+template Shared<Reference> remove_items(Knowledge&, const SensorState&, const BenchOptics&);
+template Shared<Calibration> remove_items(Knowledge&, const SensorState&, const BenchOptics&);
 
 }  // namespace ovws

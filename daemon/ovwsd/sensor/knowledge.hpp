@@ -20,6 +20,12 @@ struct Knowledge {
   Shared<Calibration> calibrations;
   std::optional<CameraInfo> camera;  ///< none: unknown
 };
+template <class T>
+inline constexpr Shared<T> Knowledge::*kLoaded = nullptr;
+template <>
+inline constexpr auto kLoaded<Reference> = &Knowledge::references;
+template <>
+inline constexpr auto kLoaded<Calibration> = &Knowledge::calibrations;
 
 /// The reference, calibration and mode operator (matrix from displacements to modes) that are valid
 /// for one sensor state.
@@ -55,15 +61,12 @@ std::string missing_reference_reason(const SensorState& state, const Knowledge& 
 std::string missing_calibration_reason(const SensorState& state, const Knowledge& knowledge,
                                        const BenchOptics& bench);
 
-/// Adds references as the latest. To save memory, only the latest eight keep their mean image.
-void add_references(Knowledge& knowledge, const Shared<Reference>& more);
-/// Adds calibrations as the latest; the oldest make room, as on the disk.
-void add_calibrations(Knowledge& knowledge, const Shared<Calibration>& more);
-/// Removes the references that a new one for this state replaces, and returns them.
-Shared<Reference> remove_references(Knowledge& knowledge, const SensorState& state,
-                                    const BenchOptics& bench);
-/// Removes the calibrations that apply to the state, and returns them.
-Shared<Calibration> remove_calibrations(Knowledge& knowledge, const SensorState& state,
-                                        const BenchOptics& bench);
+/// Adds references or calibrations as the latest; the oldest make room, as on the disk. To save
+/// memory, only the latest eight references keep their mean image.
+template <class T>
+void add_items(Knowledge& knowledge, const Shared<T>& more);
+/// Removes the references or calibrations that a new one for this state replaces, and returns them.
+template <class T>
+Shared<T> remove_items(Knowledge& knowledge, const SensorState& state, const BenchOptics& bench);
 
 }  // namespace ovws

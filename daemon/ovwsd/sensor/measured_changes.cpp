@@ -71,25 +71,28 @@ Reference new_reference(const SensorEdit& edit, ReferenceSource source) {
   return reference;
 }
 
-void keep_reference(SensorEdit& edit, Reference reference) {
-  const auto replaced = remove_references(edit.knowledge, edit.state, edit.bench.optics);
-  const auto item = std::make_shared<const Reference>(std::move(reference));
-  add_references(edit.knowledge, {item});
+/// Makes a reference or a calibration active, in place of those that it replaces.
+template <class T>
+void keep(SensorEdit& edit, T measured) {
+  const auto replaced = remove_items<T>(edit.knowledge, edit.state, edit.bench.optics);
+  const auto item = std::make_shared<const T>(std::move(measured));
+  add_items<T>(edit.knowledge, {item});
   schedule_write(edit, item, replaced);
 }
 
-/// The items of one type that a change has removed from `all`.
+/// Deletes the references or the calibrations that apply.
 template <class T>
-RemovedItems removed_items(Shared<T> items, Shared<T> Knowledge::*all,
-                           void (*add)(Knowledge&, const Shared<T>&)) {
-  return {&ItemOf<T>::kKind, names_of(items), [=](SensorEdit& now) {
-            const std::vector<std::string> present = names_of(now.knowledge.*all);
-            Shared<T> missing = items;
-            std::erase_if(missing, [&](const auto& one) {
-              return std::ranges::find(present, ItemOf<T>::name(*one)) != present.end();
-            });
-            add(now.knowledge, missing);
-          }};
+Result<void> forget(SensorEdit& edit) {
+  const auto items = remove_items<T>(edit.knowledge, edit.state, edit.bench.optics);
+  edit.removed = {&ItemOf<T>::kKind, names_of(items), [items](SensorEdit& now) {
+                    const std::vector<std::string> present = names_of(now.knowledge.*kLoaded<T>);
+                    Shared<T> missing = items;
+                    std::erase_if(missing, [&](const auto& one) {
+                      return std::ranges::find(present, ItemOf<T>::name(*one)) != present.end();
+                    });
+                    add_items(now.knowledge, missing);
+                  }};
+  return {};
 }
 
 /// The member for the LUT or for the flatness.
@@ -300,7 +303,7 @@ SensorChange use_reference(std::uint64_t sensor_epoch, TakenReference taken,
     auto reference = main_reference(edit, bound, taken, *spots);
     if (!reference) return fail(reference.error());
     if (auto added = add_beams(edit, bound, taken, *spots, *reference); !added) return added;
-    keep_reference(edit, std::move(*reference));
+    keep(edit, std::move(*reference));
     return {};
   };
 }
@@ -311,7 +314,7 @@ SensorChange use_model_reference() {
     Reference model = new_reference(edit, ReferenceSource::model);
     model.positions_px = model_positions(edit.state, edit.bench.optics);
     model.standard_error_px.assign(model.positions_px.size(), Vec2{});
-    keep_reference(edit, std::move(model));
+    keep(edit, std::move(model));
     return {};
   };
 }
@@ -341,7 +344,7 @@ SensorChange use_given_reference(SpotAverage given) {
     if (const auto before = bind(edit.state, edit.knowledge, edit.bench.optics).reference) {
       reference.beams = before->beams;
     }
-    keep_reference(edit, std::move(reference));
+    keep(edit, std::move(reference));
     return {};
   };
 }
@@ -356,17 +359,13 @@ SensorChange use_saved_reference(Reference reference) {
     if (!why.empty()) {
       return fail(Errc::refused, "name", "the reference does not fit the present sensor: " + why);
     }
-    keep_reference(edit, reference);
+    keep(edit, reference);
     return {};
   };
 }
 
 SensorChange forget_reference() {
-  return [](SensorEdit& edit) -> Result<void> {
-    edit.removed = removed_items(remove_references(edit.knowledge, edit.state, edit.bench.optics),
-                                 &Knowledge::references, add_references);
-    return {};
-  };
+  return forget<Reference>;
 }
 
 SensorChange use_registration(Registration registration) {
@@ -420,10 +419,7 @@ SensorChange use_calibration(std::uint64_t sensor_epoch, MeasuredCalibration mea
     calibration.mode_operator = mode_operator_of(calibration);
     calibration.origin =
         origin_of(edit, calibration.key, shown_modes(edit.state), edit.bench.levels.get());
-    const auto replaced = remove_calibrations(edit.knowledge, edit.state, edit.bench.optics);
-    const auto item = std::make_shared<const Calibration>(std::move(calibration));
-    add_calibrations(edit.knowledge, {item});
-    schedule_write(edit, item, replaced);
+    keep(edit, std::move(calibration));
     const bool stays = edit.before_job && edit.before_job->sensor == edit.state.sensor &&
                        edit.before_job->tracking == edit.state.tracking;
     edit.state.tracking.mode_operator = OperatorKind::measured;
@@ -433,11 +429,7 @@ SensorChange use_calibration(std::uint64_t sensor_epoch, MeasuredCalibration mea
 }
 
 SensorChange forget_calibration() {
-  return [](SensorEdit& edit) -> Result<void> {
-    edit.removed = removed_items(remove_calibrations(edit.knowledge, edit.state, edit.bench.optics),
-                                 &Knowledge::calibrations, add_calibrations);
-    return {};
-  };
+  return forget<Calibration>;
 }
 
 SensorChange use_lut(MeasuredLut lut) {

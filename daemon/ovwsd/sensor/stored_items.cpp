@@ -118,10 +118,9 @@ void SensorKeeper::load_slm(SensorState& state) {
 
 void SensorKeeper::load_measured(SensorEdit& edit) {
   const BenchKey now = key_of(edit.state, edit.knowledge, bench_.optics);
-  add_references(edit.knowledge,
-                 load_items(bench_.library, judge<Reference>(now, edit.state, bench_)));
-  add_calibrations(edit.knowledge,
-                   load_items(bench_.library, judge<Calibration>(now, edit.state, bench_)));
+  add_items(edit.knowledge, load_items(bench_.library, judge<Reference>(now, edit.state, bench_)));
+  add_items(edit.knowledge,
+            load_items(bench_.library, judge<Calibration>(now, edit.state, bench_)));
 }
 
 /// Uses the references and calibrations that have waited for this LUT and flatness. Whether there

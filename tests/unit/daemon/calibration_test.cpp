@@ -160,7 +160,7 @@ TEST_F(Calibrations, TheNewestThatAppliesIsUsedAndARemovedOneIsNot) {
   const std::string why = missing_calibration_reason(state_of(other), known, optics);
   EXPECT_TRUE(why.ends_with("is not used: tracking.tracker was \"fit\", and is \"centroid\""))
       << why;
-  EXPECT_EQ(remove_calibrations(known, state_of(config_), optics).size(), 2U);
+  EXPECT_EQ(remove_items<Calibration>(known, state_of(config_), optics).size(), 2U);
   EXPECT_EQ(applies(config_), 0);
 }
 

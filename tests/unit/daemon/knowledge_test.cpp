@@ -46,8 +46,8 @@ class Known : public testing::Test {
   }
   /// Makes it the reference of this state, and returns those that it replaces.
   Shared<Reference> replace(Reference reference) {
-    auto replaced = remove_references(known_, state_, optics_);
-    add_references(known_, {std::make_shared<const Reference>(std::move(reference))});
+    auto replaced = remove_items<Reference>(known_, state_, optics_);
+    add_items<Reference>(known_, {std::make_shared<const Reference>(std::move(reference))});
     return replaced;
   }
 
@@ -72,7 +72,7 @@ TEST_F(Known, TheReferenceTakenLastIsBound) {
   ASSERT_EQ(replaced.size(), 1U);
   EXPECT_EQ(replaced[0]->t_taken_ns, 5);
   EXPECT_EQ(found()->t_taken_ns, 6);
-  EXPECT_EQ(remove_references(known_, state_, optics_).size(), 1U);
+  EXPECT_EQ(remove_items<Reference>(known_, state_, optics_).size(), 1U);
   EXPECT_FALSE(found());
 }
 
@@ -193,7 +193,7 @@ TEST_F(Known, OnlyTheLastReferencesKeepTheirImages) {
 TEST_F(Known, ACopyIsNotChangedByAChange) {
   replace(taken(5));
   Knowledge copy = known_;
-  remove_references(copy, state_, optics_);
+  remove_items<Reference>(copy, state_, optics_);
   EXPECT_TRUE(found());
 }
 

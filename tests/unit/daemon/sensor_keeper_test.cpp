@@ -175,7 +175,7 @@ TEST_F(Keeper, AnArrayHasNoReferenceBeforeARegistrationHasFoundIt) {
         make_origin({before.key, {}, std::nullopt, std::nullopt, nullptr}));
     before.positions_px = places;
     before.standard_error_px.assign(places.size(), {});
-    add_references(edit.knowledge, {std::make_shared<const Reference>(before)});
+    add_items<Reference>(edit.knowledge, {std::make_shared<const Reference>(before)});
     return {};
   }));
   SpotAverage given;
