@@ -195,51 +195,49 @@ void use_new_registration(SensorEdit& edit, const MeasuredRegistration& registra
   keep_registration(edit, registration);
 }
 
-/// Checks a client's positions as those of use_reference.
-Result<ReferenceSpots> judge_given(const SpotAverage& given, const std::vector<Vec2>& model,
-                                   const SensorState& state, const BenchOptics& optics) {
+/// Checks that a client's positions lie in the region, and in the order of the lattice.
+Result<void> check_given(const SpotAverage& given, const std::vector<Vec2>& model, const Roi& roi) {
   for (std::size_t i = 0; i < given.mean_px.size(); ++i) {
     const Vec2 at = given.mean_px[i];
     if (given.found[i] == 0) continue;
-    if (at.x >= 0.0 && at.y >= 0.0 && at.x < state.roi.width && at.y < state.roi.height) continue;
+    if (at.x >= 0.0 && at.y >= 0.0 && at.x < roi.width && at.y < roi.height) continue;
     return fail(Errc::invalid, "positions",
                 fmt::format("spot {} is at ({:.1f}, {:.1f}), outside of the region of interest", i,
                             at.x, at.y));
   }
-  if (auto ordered = check_order(given, model); !ordered) return fail(ordered.error());
-  if (auto smooth = check_branch_points(given, state, optics); !smooth) {
-    return fail(smooth.error().code, "positions", smooth.error().reason);
+  return check_order(given, model);
+}
+
+/// Adds the spots to a reference, with places for those that were lost. `modes`: those to be
+/// measured; null: the model's. Errors: those of judge_spots and check_branch_points.
+Result<ReferenceSpots> use_spots(const SensorEdit& edit, const SpotAverage& spots,
+                                 const ModeOperator* modes, Reference& reference) {
+  const SensorState& state = edit.state;
+  const BenchOptics& optics = edit.bench.optics;
+  auto judged = judge_spots(
+      spots, modes != nullptr
+                 ? *modes
+                 : slope_operator(state.renderer->lattice(), state.sensor, state.tracking,
+                                  px_per_cycle(optics_of(state, optics), optics.slm)));
+  if (!judged) return judged;
+  if (auto smooth = check_branch_points(spots, state, optics); !smooth) {
+    return fail(smooth.error());
   }
-  auto judged =
-      judge_spots(given, slope_operator(state.renderer->lattice(), state.sensor, state.tracking,
-                                        px_per_cycle(optics_of(state, optics), optics.slm)));
-  if (!judged) return fail(judged.error().code, "positions", judged.error().reason);
+  reference.frames = spots.frames;
+  reference.positions_px = spots.mean_px;
+  reference.standard_error_px = spots.standard_error_px;
+  place_lost(judged->lost, model_positions(state, optics), reference);
   return judged;
 }
 
-/// Adds the averaged spots to a reference, with places for those that were lost. Errors: those of
-/// check_average, judge_spots and check_branch_points.
+/// The same for spots that were averaged on the bench. Errors: also those of check_average.
 Result<ReferenceSpots> use_average(const SensorEdit& edit, const Bound& bound,
                                    const SpotAverage& average, Reference& reference) {
-  const SensorState& state = edit.state;
-  const BenchOptics& optics = edit.bench.optics;
-  if (auto still = check_average(average, kMaxMotion * lambda_d_of(state, optics)); !still) {
+  const double lambda_d_px = lambda_d_of(edit.state, edit.bench.optics);
+  if (auto still = check_average(average, kMaxMotion * lambda_d_px); !still) {
     return fail(still.error());
   }
-  const auto& own = bound.mode_operator;
-  auto judged = judge_spots(
-      average, own ? *own
-                   : slope_operator(state.renderer->lattice(), state.sensor, state.tracking,
-                                    px_per_cycle(optics_of(state, optics), optics.slm)));
-  if (!judged) return judged;
-  if (auto smooth = check_branch_points(average, state, optics); !smooth) {
-    return fail(smooth.error());
-  }
-  reference.frames = average.frames;
-  reference.positions_px = average.mean_px;
-  reference.standard_error_px = average.standard_error_px;
-  place_lost(judged->lost, model_positions(state, optics), reference);
-  return judged;
+  return use_spots(edit, average, bound.mode_operator.get(), reference);
 }
 
 /// The reference with the main source's part: as taken, or the present one.
@@ -334,13 +332,10 @@ SensorChange use_given_reference(SpotAverage given) {
                               "x 2 float32",
                               given.mean_px.size(), model.size()));
     }
-    auto judged = judge_given(given, model, edit.state, edit.bench.optics);
-    if (!judged) return fail(judged.error());
+    if (auto right = check_given(given, model, edit.state.roi); !right) return right;
     Reference reference = new_reference(edit, ReferenceSource::measured);
-    reference.frames = given.frames;
-    reference.positions_px = given.mean_px;
-    reference.standard_error_px = given.standard_error_px;
-    place_lost(judged->lost, model, reference);
+    const auto judged = use_spots(edit, given, nullptr, reference);
+    if (!judged) return fail(judged.error().code, "positions", judged.error().reason);
     if (const auto before = bind(edit.state, edit.knowledge, edit.bench.optics).reference) {
       reference.beams = before->beams;
     }
