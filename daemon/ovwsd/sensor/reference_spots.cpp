@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/base/decompositions.hpp"
+#include "core/pipeline/neighbourhood.hpp"
 #include "core/wavefront/reconstructor.hpp"
 
 namespace ovws {
@@ -94,25 +95,14 @@ Result<void> check_order(const SpotAverage& given, const std::vector<Vec2>& mode
 void place_lost(const std::vector<int>& lost, const std::vector<Vec2>& model_px,
                 Reference& reference) {
   if (lost.empty()) return;
-  std::vector<bool> found(model_px.size(), true);
-  for (const int i : lost) found[std::size_t(i)] = false;
-  Eigen::Matrix3d normal = 1e-9 * Eigen::Matrix3d::Identity();
-  Eigen::MatrixXd rhs = Eigen::MatrixXd::Zero(3, 2);
-  const auto basis = [&](std::size_t i) {
-    return Eigen::Vector3d(1.0, 1e-2 * model_px[i].x, 1e-2 * model_px[i].y);
-  };
-  for (std::size_t i = 0; i < model_px.size(); ++i) {
-    if (!found[i]) continue;
-    const Vec2 moved = reference.positions_px[i] - model_px[i];
-    normal += basis(i) * basis(i).transpose();
-    rhs += basis(i) * Eigen::RowVector2d(moved.x, moved.y);
-  }
-  const Eigen::MatrixXd map = solve_symmetric(normal, rhs);
-  for (const int spot : lost) {
-    const auto i = std::size_t(spot);
-    const Eigen::RowVector2d moved = basis(i).transpose() * map;
-    reference.positions_px[i] = model_px[i] + Vec2{moved.x(), moved.y()};
-    reference.standard_error_px[i] = {NAN, NAN};
+  std::vector<SpotFix> spots;
+  for (const Vec2 at : reference.positions_px) spots.push_back({float(at.x), float(at.y)});
+  for (const int i : lost) spots[std::size_t(i)] = {};
+  const Neighbourhood neighbourhood(model_px);
+  const DisplacementField field = neighbourhood.fit(spots);
+  for (const int i : lost) {
+    reference.positions_px[std::size_t(i)] = neighbourhood.expect(i, field, spots);
+    reference.standard_error_px[std::size_t(i)] = {NAN, NAN};
   }
 }
 

@@ -30,8 +30,8 @@ Result<ReferenceSpots> judge_spots(const SpotAverage& average, const ModeOperato
 /// "positions".
 Result<void> check_order(const SpotAverage& given, const std::vector<Vec2>& model);
 
-/// Predicts positions for the lost spots, as start points for trackers: the model's position plus
-/// an affine displacement fitted to the other spots. Sets the standard errors of lost spots to NaN.
+/// Predicts positions for the lost spots, as start points for trackers: where Neighbourhood expects
+/// them from the other spots. Sets the standard errors of lost spots to NaN.
 /// `model_px`: model position of every spot, camera pixels.
 void place_lost(const std::vector<int>& lost, const std::vector<Vec2>& model_px,
                 Reference& reference);
