@@ -63,12 +63,6 @@ ModelKey::ModelKey(const FrameCopy& frame, const SensorSnapshot& sensor)
       estimates(sensor.tracking.estimates),
       reference_taken_ns(sensor.reference ? sensor.reference->t_taken_ns : 0) {}
 
-std::int64_t active_calibration_ns(const SensorSnapshot& sensor) {
-  const bool measured =
-      sensor.mode_operator.in_force == OperatorKind::measured && sensor.calibration;
-  return measured && sensor.calibration->shapes ? sensor.calibration->t_taken_ns : 0;
-}
-
 std::vector<Mode> fixed_modes(const std::vector<Mode>& shown, const std::vector<int>& measured) {
   std::vector<Mode> fixed;
   for (const Mode& mode : shown) {
@@ -150,7 +144,7 @@ Result<void> SpotsModel::use_calibration(const SensorSnapshot& sensor,
   measured_.reset();
   unmeasured_.clear();
   if (rendered_) rendered_->end_correction();
-  if (active_calibration_ns(sensor) == 0) {
+  if (sensor.templates_for.calibration_taken_ns == 0) {
     return rendered_ ? Result<void>{} : fail(rendered_.error());
   }
   auto measured = measured_model(sensor, images);

@@ -93,9 +93,6 @@ class SpotsModel {
   std::string unmeasured_;
 };
 
-/// Time (UTC) at which the calibration that gives measured templates was taken; 0: none does.
-std::int64_t active_calibration_ns(const SensorSnapshot& sensor);
-
 /// Modes shown on the SLM that are not among the measured modes.
 std::vector<Mode> fixed_modes(const std::vector<Mode>& shown, const std::vector<int>& measured);
 /// Those that the sensor's hologram shows.

@@ -58,7 +58,7 @@ std::vector<double> coefficients_of(const OperatingPoint& point) {
 /// because the unchanged reference would fail again.
 struct WavefrontSearch::Model {
   ModelKey key;
-  std::int64_t calibration_taken_ns = 0;  ///< of active measured templates; 0: none
+  TemplatesKey made_for{};
   Result<SpotsModel> spots = fail(Errc::refused, "reference", "");
   std::int64_t failed_until_ns = 0;  ///< time to try again with other frames
   std::vector<double> last{};        ///< coefficients of the last rendered operating point
@@ -171,8 +171,7 @@ bool WavefrontSearch::rest() {
 
 /// Replaces the active templates. Null: by none, so that the tracker measures the frames.
 void WavefrontSearch::use_templates(std::shared_ptr<const FrameFit> fit, bool given_up) {
-  keeper_.use_templates({model_->key.sensor_epoch, model_->key.reference_taken_ns,
-                         model_->calibration_taken_ns, std::move(fit), given_up});
+  keeper_.use_templates({model_->made_for, std::move(fit), given_up});
 }
 
 /// Takes the next frame of the active sensor. Returns whether there are kFrames successive frames.
@@ -228,14 +227,13 @@ Result<void> WavefrontSearch::render(std::span<const FrameCopy> frames,
   std::vector<ImageView> images;
   for (const FrameCopy& one : frames) images.push_back(one.frame.image);
   const ModelKey key(frame, sensor);
-  const std::int64_t calibration_ns = active_calibration_ns(sensor);
   const bool same = model_ && model_->key == key;
-  const bool is_other = !same || model_->calibration_taken_ns != calibration_ns;
+  const bool is_other = !same || !(model_->made_for == sensor.templates_for);
   if (is_other) {
     giving_up_.reset();
     const bool keep = same && model_->spots && model_->spots->has_rendered();
     if (!keep) model_ = std::make_unique<Model>(Model{key});
-    model_->calibration_taken_ns = calibration_ns;
+    model_->made_for = sensor.templates_for;
   }
   if (is_other || (!model_->spots && !model_->has_failed())) make_model(images, sensor);
   if (!model_->spots) return fail(model_->spots.error());

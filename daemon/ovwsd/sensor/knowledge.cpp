@@ -81,6 +81,12 @@ Bound bind(const SensorState& state, const Knowledge& knowledge, const BenchOpti
   return bound;
 }
 
+TemplatesKey templates_key(const SensorState& state, const Bound& bound) {
+  const bool shapes = bound.mode_operator && bound.mode_operator->shapes && bound.calibration;
+  return {state.sensor_epoch, bound.reference ? bound.reference->t_taken_ns : 0,
+          shapes ? bound.calibration->t_taken_ns : 0};
+}
+
 std::string unused_reason(const Reference& reference, const SensorState& state,
                           const Knowledge& knowledge, const BenchOptics& bench, bool by_choice) {
   const BenchKey now = key_of(state, knowledge, bench);

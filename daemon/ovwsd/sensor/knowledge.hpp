@@ -38,6 +38,8 @@ struct Bound {
 };
 /// Selects what applies to the state.
 Bound bind(const SensorState& state, const Knowledge& knowledge, const BenchOptics& bench);
+/// What templates for the state are made for.
+TemplatesKey templates_key(const SensorState& state, const Bound& bound);
 
 /// The bench as it is, for `differing`.
 BenchKey key_of(const SensorState& state, const Knowledge& knowledge, const BenchOptics& bench);

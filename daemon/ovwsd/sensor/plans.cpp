@@ -5,19 +5,6 @@
 namespace ovws {
 namespace {
 
-/// Time (UTC) at which the calibration that gives measured templates was taken; 0: none does.
-std::int64_t active_shapes_ns(const Bound& bound) {
-  const bool shapes = bound.mode_operator && bound.mode_operator->shapes && bound.calibration;
-  return shapes ? bound.calibration->t_taken_ns : 0;
-}
-
-/// Whether the templates were made for this sensor epoch, reference and calibration.
-bool are_of(const ActiveTemplates& templates, const SensorState& state, const Bound& bound) {
-  return templates.sensor_epoch == state.sensor_epoch &&
-         templates.reference_taken_ns == bound.reference->t_taken_ns &&
-         templates.calibration_taken_ns == active_shapes_ns(bound);
-}
-
 bool fits(const FrameFit& fit, const SensorState& state, const MeasurementPlan& plan) {
   return fit.modes_j() == plan.modes_j && fit.point().estimates == state.tracking.estimates;
 }
@@ -27,7 +14,7 @@ bool fits(const FrameFit& fit, const SensorState& state, const MeasurementPlan& 
 void use(const ActiveTemplates& templates, const SensorState& state, const Bound& bound,
          MeasurementPlan& plan) {
   if (!plan.may_use_templates() || !takes_templates(state)) return;
-  const bool same = are_of(templates, state, bound);
+  const bool same = templates.made_for == templates_key(state, bound);
   if (same && templates.fit && fits(*templates.fit, state, plan)) plan.fit = templates.fit;
   plan.awaits_templates = plan.wants_templates() && !plan.fit && !(same && templates.given_up);
 }

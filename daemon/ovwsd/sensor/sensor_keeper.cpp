@@ -185,7 +185,7 @@ void SensorKeeper::restore_from_before_job() {
 
 void SensorKeeper::use_templates(ActiveTemplates templates) {
   mailbox_.post([this, templates = std::move(templates)]() mutable {
-    const bool usable = !templates.fit || templates.sensor_epoch == state_.sensor_epoch;
+    const bool usable = !templates.fit || templates.made_for.sensor_epoch == state_.sensor_epoch;
     const bool changes = !(templates == state_.templates);
     if (!takes_templates(state_) || !usable || !changes) return;
     SensorEdit edit = new_edit();
@@ -347,6 +347,7 @@ void SensorKeeper::describe(SensorSnapshot& now, const Bound& bound) {
   now.correction = state_.correction;
   now.hologram_id = bench_.hologram_id;
   now.sensor_epoch = state_.sensor_epoch;
+  now.templates_for = templates_key(state_, bound);
   now.optics = optics_of(state_, bench_.optics);
   now.registration = registration_of(state_, bench_.optics);
   now.layout_fault = events_.layout_fault(state_);

@@ -31,12 +31,21 @@ struct SensorShown {
   PatternCycle cycle;  ///< of `sequence`
 };
 
+/// What spot templates are made for: they are valid until any of it changes.
+struct TemplatesKey {
+  std::uint64_t sensor_epoch = 0;
+  std::int64_t reference_taken_ns = 0;    ///< UTC; 0: no reference
+  std::int64_t calibration_taken_ns = 0;  ///< UTC; 0: no calibration gives measured templates
+  friend bool operator==(const TemplatesKey&, const TemplatesKey&) = default;
+};
+
 /// The sensor's settings and active measurements. Immutable and shared by all readers.
 struct SensorSnapshot : SensorShown {
   OperatorReport mode_operator;  ///< the operator of plan `plan_id`
   std::vector<Mode> correction;  ///< subtracted from the hologram
   std::uint64_t hologram_id = 0;
   std::uint64_t sensor_epoch = 0;  ///< the sensor's epoch, as in plan `plan_id`
+  TemplatesKey templates_for;      ///< what new templates are made for
   OpticsConfig optics;             ///< pixels of the camera's region; with the registration, if any
   std::optional<Registration> registration;  ///< the active one; pixels of the camera's sensor
   /// The active plan, built from the settings of this snapshot; 0: none could be built from them,

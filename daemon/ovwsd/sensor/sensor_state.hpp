@@ -11,11 +11,11 @@
 #include "core/optics/geometry.hpp"
 #include "core/optics/hologram.hpp"
 #include "core/port/camera.hpp"
+#include "core/spots/frame_fit.hpp"
 #include "core/tracking/tracker.hpp"
 #include "daemon/ovwsd/lease/request_table.hpp"
 #include "daemon/ovwsd/library/measured_registration.hpp"
 #include "daemon/ovwsd/library/slm_measured.hpp"
-#include "daemon/ovwsd/sensor/active_templates.hpp"
 #include "daemon/ovwsd/sensor/sensor_snapshot.hpp"
 
 namespace ovws {
@@ -29,6 +29,15 @@ struct BenchOptics {
   nlohmann::json array{};           ///< array_json
 };
 
+/// Spot templates of the tracker `fit`. The wavefront may drift away from their operating point:
+/// every frame reports the drift.
+struct ActiveTemplates {
+  TemplatesKey made_for;
+  std::shared_ptr<const FrameFit> fit;
+  bool given_up = false;  ///< no templates will come soon: use spot positions instead
+  friend bool operator==(const ActiveTemplates&, const ActiveTemplates&) = default;
+};
+
 struct SensorState : SensorShown {
   std::vector<Mode> correction;                        ///< subtracted from the hologram
   std::shared_ptr<const Image<std::uint8_t>> painted;  ///< image drawn by a job, for pattern `test`
@@ -40,7 +49,7 @@ struct SensorState : SensorShown {
   /// Increases with every change that invalidates earlier measurements.
   std::uint64_t sensor_epoch = 1;
   Holder holder = Holder::nobody;
-  ActiveTemplates templates;  ///< used if their epoch, reference and calibration match
+  ActiveTemplates templates;  ///< used if they are made for this state
 };
 
 /// Whether templates may measure frames: with the tracker `fit` unless a job has the sensor, with

@@ -59,7 +59,7 @@ class PlansTest : public testing::Test {
     RenderedSpot dark;
     dark.light.setZero(1);
     const std::vector<RenderedSpot> spots(plan->predicted_px.size(), dark);
-    return {state_.sensor_epoch, bound_.reference->t_taken_ns, 0,
+    return {{state_.sensor_epoch, bound_.reference->t_taken_ns, 0},
             std::make_shared<const FrameFit>(point, spots, plan->modes_j)};
   }
   void expect_no_templates(bool awaited, const char* why) {
@@ -88,7 +88,7 @@ TEST_F(PlansTest, APlanHasTheNextNumberAndIsBuiltFromTheState) {
 TEST_F(PlansTest, PlansOfOneSensorShareWhatTheirHologramsDoNotChange) {
   const auto first = built();
   state_.aberration = {{4, 0.3}};
-  ++state_.templates.sensor_epoch;
+  ++state_.templates.made_for.sensor_epoch;
   const auto second = built();
   EXPECT_EQ(second->tracker, first->tracker);
   EXPECT_EQ(second->reconstructor, first->reconstructor);
@@ -153,9 +153,9 @@ TEST_F(PlansTest, APlanGetsTheTemplatesOfItsStateAndNoOthers) {
   };
   expect_none_with_another("epoch", [](SensorState& now) { ++now.sensor_epoch; });
   expect_none_with_another("reference",
-                           [](SensorState& now) { now.templates.reference_taken_ns = 8; });
-  expect_none_with_another("calibration",
-                           [](SensorState& now) { now.templates.calibration_taken_ns = 8; });
+                           [](SensorState& now) { now.templates.made_for.reference_taken_ns = 8; });
+  expect_none_with_another(
+      "calibration", [](SensorState& now) { now.templates.made_for.calibration_taken_ns = 8; });
   expect_none_with_another("estimates", [](SensorState& now) { now.tracking.estimates = 2; });
   expect_none_with_another("modes", [](SensorState& now) { now.tracking.mode_count = 20; });
 }

@@ -288,7 +288,7 @@ TEST_F(RecordedPlan, EqualsTheLivePlanWithTemplatesAndWithoutThem) {
   point.lit = int(plan->predicted_px.size());
   point.estimates = state_.tracking.estimates;
   const auto rendered = renderer->render(point.waves, point.fixed);
-  state_.templates = {state_.sensor_epoch, bound_.reference->t_taken_ns, 0,
+  state_.templates = {{state_.sensor_epoch, bound_.reference->t_taken_ns, 0},
                       std::make_shared<const FrameFit>(point, rendered, plan->modes_j)};
   expect_the_same_plan("templates");
 }
