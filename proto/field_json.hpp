@@ -1,7 +1,8 @@
 /// JSON encoding and decoding of structs with field tables.
 ///
 /// Encoding: NaN, infinities and empty optionals become null, an enumeration its name, Vec2 [x, y].
-/// Decoding is strict (see ObjectReader): every fault names the dotted path of its key.
+/// Decoding is strict (see ObjectReader): every fault names the dotted path of its key. Computed
+/// and constant fields may be given, and are ignored.
 #pragma once
 
 #include <algorithm>
@@ -321,6 +322,10 @@ void decode_value(ObjectReader& reader, const FieldInfo& field, T& out) {
   }
 }
 
+template <class Owner>
+void decode_entry(ObjectReader& reader, const FieldInfo& encode_only, Owner&) {
+  reader.raw(encode_only.key);
+}
 template <class Owner, class S, class T>
 void decode_entry(ObjectReader& reader, const Field<S, T>& field, Owner& out) {
   if (field.required) reader.require(field.key);

@@ -151,8 +151,9 @@ inline constexpr auto kTable<LoopForecast> = Fields{
                                          Bounds::at_least(0)),
     field<&LoopForecast::gain_margin>(
         "least error of the correction's size that can make the loop unstable: 0.5 means half or "
-        "one and a half of what is computed",
-        Bounds::at_least(0))};
+        "one and a half of what is computed; null: the law corrects nothing",
+        Bounds::at_least(0))
+        .or_null()};
 
 template <>
 inline constexpr auto kTable<Oscillator> = Fields{
@@ -161,18 +162,22 @@ inline constexpr auto kTable<Oscillator> = Fields{
     field<&Oscillator::rms_waves>("RMS of this part, waves", Bounds::at_least(0))};
 
 template <>
+inline constexpr auto kTable<Disturbance> =
+    Fields{"Disturbance",
+           computed(
+               "rms_waves", [](auto& of) { return of.rms_waves(); },
+               "RMS of the disturbance without noise, waves", Bounds::at_least(0)),
+           field<&Disturbance::noise_waves>(
+               "RMS noise of one frame that the predictor assumes, waves", Bounds::at_least(0)),
+           field<&Disturbance::parts>(
+               "damped oscillators of which the disturbance is the sum, the strongest first")
+               .sized(0, Disturbance::kMaxParts)};
+
+template <>
 inline constexpr auto kTable<ModeModel> =
     Fields{"ModeModel",
            field<&ModeModel::j>(kModeIndexMeaning),
-           computed(
-               "rms_waves", [](auto& mode) { return mode.disturbance.rms_waves(); },
-               "RMS of the disturbance without noise, waves", Bounds::at_least(0)),
-           computed(
-               "noise_waves", [](auto& mode) { return mode.disturbance.noise_waves; },
-               "RMS noise of one frame that the predictor assumes, waves", Bounds::at_least(0)),
-           computed(
-               "parts", [](auto& mode) { return mode.disturbance.parts; },
-               "damped oscillators of which the disturbance is the sum, the strongest first"),
+           inlined(&ModeModel::disturbance),
            field<&ModeModel::best_gain>("best gain of an integrator", {0, 1}),
            field<&ModeModel::integrator>("forecast for the integrator with the last loop's gain"),
            field<&ModeModel::optimised>("forecast for the integrator with best_gain"),

@@ -13,7 +13,6 @@
 #include "daemon/ovws/study/parallel.hpp"
 #include "daemon/ovws/study/rejection.hpp"
 #include "daemon/shared/borrow.hpp"
-#include "daemon/shared/loop_model_json.hpp"
 #include "drivers/zmq/client.hpp"
 #include "proto/json_text.hpp"
 #include "proto/requests.hpp"
@@ -311,7 +310,7 @@ tl::expected<std::shared_ptr<const LoopModel>, CallFailure> identified(const Com
   const Answer done = end_of_job(common, job, {was_interrupted, {}});
   if (was_interrupted()) return tl::make_unexpected(interrupted_failure());
   if (!done) return tl::make_unexpected(failure("loop.identify: " + message_of(done.error())));
-  auto model = loop_model_from(done->at("model").at("modes"));
+  auto model = decode<LoopModel>(done->at("model"));
   if (!model) return tl::make_unexpected(failure(text_of(model.error())));
   return std::make_shared<const LoopModel>(std::move(*model));
 }

@@ -12,18 +12,6 @@ using nlohmann::json;
 
 constexpr std::size_t kFrames = 200;  // of one document
 
-json model_content(const LoopModel* model) {
-  if (model == nullptr) return nullptr;
-  json modes = json::array();
-  for (const ModeModel& mode : model->modes) {
-    modes.push_back({{"j", mode.j},
-                     {"best_gain", mode.best_gain},
-                     {"noise_waves", mode.disturbance.noise_waves},
-                     {"parts", to_json(mode.disturbance.parts)}});
-  }
-  return modes;
-}
-
 }  // namespace
 
 void LoopLog::closed(const LoopSettings& settings, std::span<const Mode> correction,
@@ -33,7 +21,7 @@ void LoopLog::closed(const LoopSettings& settings, std::span<const Mode> correct
   write_("loop", {{"t_closed_ns", t_closed_ns_},
                   {"settings", to_json(settings)},
                   {"correction", to_json(std::vector<Mode>(correction.begin(), correction.end()))},
-                  {"model", model_content(model)}});
+                  {"model", model == nullptr ? json() : to_json(model->modes)}});
 }
 
 void LoopLog::observed(std::uint64_t frame_id, std::int64_t t_ns) {

@@ -10,7 +10,6 @@
 
 #include "core/control/loop_laws.hpp"
 #include "daemon/ovwsd/record/point_document.hpp"
-#include "daemon/shared/loop_model_json.hpp"
 #include "proto/json_text.hpp"
 #include "proto/tables/loop.hpp"
 
@@ -21,7 +20,7 @@ using nlohmann::json;
 
 std::shared_ptr<const LoopModel> model_of(const json& modes) {
   if (modes.is_null()) return nullptr;
-  return std::make_shared<LoopModel>(loop_model_from(modes).value());
+  return std::make_shared<LoopModel>(decode<LoopModel>({{"modes", modes}}).value());
 }
 
 /// Repeats one recording's runs, document by document. Its functions throw if a document has other
