@@ -19,9 +19,11 @@ template <>
 inline constexpr auto kTable<PupilPicture> =
     Fields{"PupilPicture",
            field<&PupilPicture::cells>("rows and columns, which the pupil's circle touches",
-                                       Bounds::at_least(1)),
+                                       limits::kMapCells)
+               .mandatory(),
            field<&PupilPicture::base64>(
-               "waves in base64, little-endian float32, row by row; NaN outside the pupil")};
+               "waves in base64, little-endian float32, row by row; NaN outside the pupil")
+               .mandatory()};
 
 /// Result of the `map.run` job.
 struct MapReport {

@@ -24,15 +24,10 @@ struct LutFile {
   std::vector<double> phase_rad, standard_error_rad;
 };
 
-/// The map of what the modes leave.
-struct FineFile {
-  int cells = 0;
-  std::string base64;  ///< float32
-};
 struct FlatnessFile {
   MeasuredFlatness flatness;
   std::optional<std::string> configured_sha256;
-  std::optional<FineFile> fine;
+  std::optional<PupilPicture> fine;
 };
 
 }  // namespace
@@ -68,11 +63,6 @@ struct Rules<LutFile> {
     }
   }
 };
-
-template <>
-inline constexpr auto kTable<FineFile> =
-    Fields{"FineFile", field<&FineFile::cells>("side of the map", limits::kMapCells).mandatory(),
-           field<&FineFile::base64>("float32 in waves, row by row").mandatory()};
 
 template <>
 inline constexpr auto kTable<MeasuredFlatness> = Fields{
@@ -129,15 +119,16 @@ Result<MeasuredLut> lut_from(const json& content) {
   return std::move(lut);
 }
 
+PupilPicture picture_of(const Image<float>& map) {
+  return {map.width, base64_of(std::span<const float>(map.pixels))};
+}
+
 json flatness_content(const MeasuredFlatness& flatness) {
   FlatnessFile file{flatness, std::nullopt, std::nullopt};
   if (!flatness.key.flatness_file.is_null()) {
     file.configured_sha256 = flatness.key.flatness_file.get<std::string>();
   }
-  if (!flatness.fine.pixels.empty()) {
-    file.fine =
-        FineFile{flatness.fine.width, base64_of(std::span<const float>(flatness.fine.pixels))};
-  }
+  if (!flatness.fine.pixels.empty()) file.fine = picture_of(flatness.fine);
   return to_json(file);
 }
 

@@ -11,6 +11,7 @@
 #include "core/optics/hologram.hpp"
 #include "core/optics/phase_response.hpp"
 #include "daemon/ovwsd/library/bench_key.hpp"
+#include "proto/tables/map.hpp"
 
 namespace ovws {
 
@@ -63,6 +64,9 @@ nlohmann::json slm_identity(const HologramConfig& hologram, bool has_lut);
 std::shared_ptr<const ActiveSlm> active_slm(const Config& config, const HologramConfig& configured,
                                             std::shared_ptr<const MeasuredLut> lut,
                                             std::shared_ptr<const MeasuredFlatness> flatness);
+
+/// A square map for the files and for map.run.
+PupilPicture picture_of(const Image<float>& map);
 
 // Conversion to the JSON content of the files, and back. Errors (Errc::invalid) name the
 // inconsistent field.

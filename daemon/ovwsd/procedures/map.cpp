@@ -15,7 +15,6 @@
 #include "core/wavefront/phase_retrieval.hpp"
 #include "daemon/ovwsd/procedures/probes.hpp"
 #include "daemon/ovwsd/procedures/saturation.hpp"
-#include "daemon/shared/encoding.hpp"
 
 namespace ovws {
 namespace {
@@ -237,10 +236,6 @@ Image<float> removed(const MeasuredFlatness* flatness, const Image<float>& like)
   return map;
 }
 
-PupilPicture sent(const Image<float>& map) {
-  return {map.width, base64_of(std::span<const float>(map.pixels))};
-}
-
 /// Whether the images are explained, by a phase that does not jump.
 Result<void> check_smooth(const PhaseRetrieval::Found& found) {
   if (found.misfit > kMaxMisfit) {
@@ -315,8 +310,8 @@ Result<BenchMap> map_at_this_exposure(Bench& bench, const MapRun& run) {
   report.standard_error_waves = rms_of(map->half_difference);
   report.rms_waves = rms_of(map->error);
   report.flatness_rms_waves = rms_of(in_use);
-  report.map = sent(map->error);
-  report.flatness = sent(in_use);
+  report.map = picture_of(map->error);
+  report.flatness = picture_of(in_use);
   return map;
 }
 
