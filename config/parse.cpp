@@ -1,7 +1,6 @@
 /// Parses and validates the configuration file.
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -16,7 +15,6 @@ namespace ovws {
 namespace {
 
 constexpr int kMaxDepth = 16;
-constexpr std::size_t kMaxFileBytes = 1 << 20;
 
 Result<Config> read_config(const nlohmann::json& json) {
   Config config;
@@ -122,17 +120,9 @@ Result<Config> parse_config(const std::string& json_text) {
 }
 
 Result<Config> load_config(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string text(kMaxFileBytes + 1, '\0');
-  file.read(text.data(), std::streamsize(text.size()));
-  if (file.bad() || !file.eof()) {
-    const bool large = file.good();
-    return fail(Errc::unavailable, "",
-                path + (large ? ": larger than 1 MiB, the limit for a configuration file"
-                              : ": cannot be read; check the path and the permissions"));
-  }
-  text.resize(std::size_t(file.gcount()));
-  auto config = parse_config(text);
+  const auto text = read_small_file(path);
+  if (!text) return fail(Errc::unavailable, "", path + ": " + text.error().reason);
+  auto config = parse_config(*text);
   std::error_code unknown;
   const auto folder = std::filesystem::absolute(path, unknown).parent_path();
   const auto resolved = config ? resolve_paths(*config, folder) : Result<void>{};

@@ -1,6 +1,9 @@
 #include "proto/strict_json.hpp"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
 #include <iterator>
 #include <set>
 #include <string>
@@ -133,6 +136,24 @@ tl::expected<json, JsonFault> parse_strict_json(std::string_view text, int max_d
     return tl::make_unexpected(inspector.fault);
   }
   return json::parse(text.begin(), text.end(), nullptr, false, ignore_comments);
+}
+
+Result<std::string> read_small_file(const std::string& path) {
+  constexpr std::size_t kMaxBytes = 1 << 20;
+  errno = 0;
+  std::ifstream file(path, std::ios::binary);
+  const bool missing = !file && errno == ENOENT;
+  std::string text(kMaxBytes + 1, '\0');
+  file.read(text.data(), std::streamsize(text.size()));
+  if (file.good())
+    return fail(Errc::invalid, "", "it is larger than 1 MiB, the limit for settings");
+  if (file.bad() || !file.eof()) {
+    return fail(missing ? Errc::unavailable : Errc::invalid, "",
+                std::string("it cannot be read: ") + std::strerror(errno) +
+                    "; check the path and the permissions");
+  }
+  text.resize(std::size_t(file.gcount()));
+  return text;
 }
 
 }  // namespace ovws

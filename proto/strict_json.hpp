@@ -2,6 +2,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <string>
 #include <string_view>
 
 #include "core/base/result.hpp"
@@ -20,5 +21,9 @@ enum class JsonComments { refused, allowed };
 /// Reentrant.
 tl::expected<nlohmann::json, JsonFault> parse_strict_json(std::string_view text, int max_depth,
                                                           JsonComments comments);
+
+/// Reads a file of settings. Errc::unavailable: it does not exist; Errc::invalid: it is larger than
+/// 1 MiB, or cannot be read. The reason does not name the file.
+Result<std::string> read_small_file(const std::string& path);
 
 }  // namespace ovws

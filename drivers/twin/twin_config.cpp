@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <string>
 
 #include "core/optics/lattice.hpp"
@@ -17,7 +16,6 @@ namespace ovws::twin {
 namespace {
 
 constexpr int kMaxConfigDepth = 16;
-constexpr std::size_t kMaxFileBytes = 1 << 20;
 constexpr std::size_t kMaxLayers = 8, kMaxVibrations = 16;
 constexpr double kMaxPupilsPerS = 1000.0;
 
@@ -284,17 +282,9 @@ Result<Config> parse_config(const std::string& json_text) {
 }
 
 Result<Config> load_config(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string text(kMaxFileBytes + 1, '\0');
-  file.read(text.data(), std::streamsize(text.size()));
-  if (file.bad() || !file.eof()) {
-    const bool large = file.good();
-    return fail(Errc::unavailable, "",
-                path + (large ? ": larger than 1 MiB, the limit for a configuration file"
-                              : ": cannot be read; check the path and the permissions"));
-  }
-  text.resize(std::size_t(file.gcount()));
-  auto config = parse_config(text);
+  const auto text = read_small_file(path);
+  if (!text) return fail(Errc::unavailable, "", path + ": " + text.error().reason);
+  auto config = parse_config(*text);
   if (!config) config.error().reason += " (in " + path + ")";
   return config;
 }

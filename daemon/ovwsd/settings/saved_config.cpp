@@ -8,7 +8,6 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -29,7 +28,6 @@ using nlohmann::json;
 
 constexpr const char* kFileName = "/config.json";
 constexpr const char* kRejectedSuffix = ".rejected";
-constexpr std::size_t kMaxFileBytes = 1 << 20;
 constexpr int kMaxDepth = 8;
 
 using Group = std::vector<std::string>;
@@ -95,21 +93,6 @@ struct Overlay {
   json file;
   std::map<std::string, Saved> saved;
 };
-
-/// Reads a file of at most 1 MiB; none if the file does not exist.
-Result<std::optional<std::string>> read_text(const std::string& path) {
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  if (!file && errno == ENOENT) return std::nullopt;
-  std::string text(kMaxFileBytes + 1, '\0');
-  file.read(text.data(), std::streamsize(text.size()));
-  if (file.good()) return fail(Errc::invalid, "", "it is larger than 1 MiB");
-  if (file.bad() || !file.eof()) {
-    return fail(Errc::invalid, "", std::string("it cannot be read: ") + std::strerror(errno));
-  }
-  text.resize(std::size_t(file.gcount()));
-  return text;
-}
 
 Result<Overlay> parse_overlay(const std::string& text) {
   const auto wrong = [](const std::string& reason) { return fail(Errc::invalid, "", reason); };
@@ -182,10 +165,10 @@ void read_overlay(LoadedConfig& loaded) {
     loaded.invalid = true;
     loaded.unused_reason = text_of(error);
   };
-  const auto text = read_text(*loaded.overlay);
+  const auto text = read_small_file(*loaded.overlay);
+  if (!text && text.error().code == Errc::unavailable) return;
   if (!text) return reject(text.error());
-  if (!*text) return;
-  const auto overlay = parse_overlay(**text);
+  const auto overlay = parse_overlay(*text);
   if (!overlay) return reject(overlay.error());
   if (!belongs_to(overlay->file, loaded.path)) {
     loaded.unused_reason = "its values were saved for another configuration file, " +
@@ -198,9 +181,9 @@ void read_overlay(LoadedConfig& loaded) {
 /// Refuses to overwrite the saved values of another configuration file, whose daemon still needs
 /// them.
 Result<void> check_ours(const std::string& overlay, const json& owner) {
-  const auto text = read_text(overlay);
-  if (!text || !*text) return {};
-  const auto there = parse_overlay(**text);
+  const auto text = read_small_file(overlay);
+  if (!text) return {};
+  const auto there = parse_overlay(*text);
   if (!there || belongs_to(there->file, owner.is_string() ? owner.get<std::string>() : ""))
     return {};
   return fail(
