@@ -77,7 +77,7 @@ std::string seal(std::string_view schema, const json& content) {
   return sealed;
 }
 
-Result<Unsealed> unseal(std::string_view schema, std::string_view text) {
+Result<StateItem> unseal(std::string_view schema, std::string_view text) {
   if (text.empty()) return damaged("it is empty");
   const bool whole = text.size() > kSealSize && text.ends_with(kSumEnd) &&
                      text.substr(text.size() - kSealSize).starts_with(kSumBegin);
@@ -94,7 +94,7 @@ Result<Unsealed> unseal(std::string_view schema, std::string_view text) {
     return damaged("its schema is not " + std::string(schema));
   }
   if (!parsed->contains("content")) return damaged("its content is missing");
-  return Unsealed{std::move((*parsed)["content"]), std::string(sum)};
+  return StateItem{{}, std::move((*parsed)["content"]), std::string(sum)};
 }
 
 Result<FolderLock> lock_folder(const std::string& folder) {
@@ -148,14 +148,6 @@ std::string StateFolder::text_of(std::string_view kind, const json& content) {
   return seal(schema_of(kind), content);
 }
 
-Result<StateItem> StateFolder::item_of(std::string_view kind, std::string_view name,
-                                       std::string_view text) const {
-  auto whole = unseal(schema_of(kind), text);
-  if (!whole) return fail(whole.error());
-  return StateItem{std::string(name), path_of(kind, name), std::move(whole->content),
-                   std::move(whole->sha256)};
-}
-
 Result<std::string> StateFolder::write(std::string_view kind, std::string_view name,
                                        std::string_view text) {
   const std::string path = path_of(kind, name);
@@ -204,7 +196,9 @@ std::vector<std::string> StateFolder::names(std::string_view kind) const {
 Result<StateItem> StateFolder::read(std::string_view kind, std::string_view name) const {
   auto text = read_text(path_of(kind, name));
   if (!text) return fail(text.error());
-  return item_of(kind, name, *text);
+  auto item = unseal(schema_of(kind), *text);
+  if (item) item->name = name;
+  return item;
 }
 
 }  // namespace ovws

@@ -22,21 +22,17 @@ namespace ovws {
 /// is set.
 std::optional<std::string> state_directory_of(const StateConfig& config);
 
-/// Converts content to file text with a checksum (seal), and back (unseal). Errors of unseal
-/// (Errc::invalid): the text is cut off, damaged, or of another schema. The caller checks the
-/// meaning of the content.
-std::string seal(std::string_view schema, const nlohmann::json& content);
-struct Unsealed {
-  nlohmann::json content;
-  std::string sha256;
-};
-Result<Unsealed> unseal(std::string_view schema, std::string_view text);
-
 struct StateItem {
-  std::string name, path;
+  std::string name;
   nlohmann::json content;
   std::string sha256;
 };
+
+/// Converts content to file text with a checksum (seal), and back to an item without a name
+/// (unseal). Errors of unseal (Errc::invalid): the text is cut off, damaged, or of another schema.
+/// The caller checks the meaning of the content.
+std::string seal(std::string_view schema, const nlohmann::json& content);
+Result<StateItem> unseal(std::string_view schema, std::string_view text);
 
 /// Folder lock (flock), held while a copy of the pointer exists, at most until the process ends.
 /// Null if locking is impossible: the folder cannot be made or opened, or its file system has no
@@ -48,7 +44,7 @@ using FolderLock = std::shared_ptr<const int>;
 Result<FolderLock> lock_folder(const std::string& folder);
 
 /// The files in a state directory. Thread-safe, but two threads may not write one item at a time.
-/// All calls block on the disk, except path_of, text_of and item_of.
+/// All calls block on the disk, except path_of and text_of.
 class StateFolder {
  public:
   /// Creates the directory if it is missing, and removes leftovers of a killed writer. Errors
@@ -64,9 +60,6 @@ class StateFolder {
   std::string path_of(std::string_view kind, std::string_view name) const;
   /// The text of an item's file.
   static std::string text_of(std::string_view kind, const nlohmann::json& content);
-  /// The item whose file has this text. Errors: see unseal.
-  Result<StateItem> item_of(std::string_view kind, std::string_view name,
-                            std::string_view text) const;
 
   /// Writes a text of text_of atomically and returns its checksum. Errors: see replace_file.
   Result<std::string> write(std::string_view kind, std::string_view name, std::string_view text);
