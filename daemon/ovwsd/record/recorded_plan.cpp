@@ -109,8 +109,8 @@ Result<RecordedPlans> RecordedPlans::of(RecordingReader& reader) {
       plans.plans_[plan["plan_id"].get<std::uint64_t>()] = std::move(one.text);
       continue;
     }
-    if (one.kind == "configuration" && plans.configuration_.empty()) {
-      plans.configuration_ = one.text;
+    if (one.kind == "configuration" && !plans.configuration_) {
+      plans.configuration_ = parse_config(one.text);
     }
     plans.documents_[one.sha256] = std::move(one.text);
   }

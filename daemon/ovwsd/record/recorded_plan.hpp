@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -49,7 +50,7 @@ class RecordedPlans {
 
   std::map<std::uint64_t, std::string> plans_;    ///< plan texts by plan number
   std::map<std::string, std::string> documents_;  ///< document texts by checksum
-  std::string configuration_;                     ///< text; empty: there is none
+  std::optional<Result<Config>> configuration_;   ///< as parsed; none: there is no document
   PointReader points_;
   std::shared_ptr<const FrameFit> fit_;  ///< the templates rendered last
   std::string fit_key_;                  ///< checksum of the operating point of fit_

@@ -21,8 +21,8 @@ tl::unexpected<Error> unreadable(const std::string& what) {
 }  // namespace
 
 Result<Config> RecordedPlans::configuration() const {
-  if (configuration_.empty()) return unreadable("configuration is missing");
-  auto config = parse_config(configuration_);
+  if (!configuration_) return unreadable("configuration is missing");
+  const Result<Config>& config = *configuration_;
   if (!config) return unreadable("configuration cannot be read: " + text_of(config.error()));
   return config;
 }
