@@ -19,7 +19,6 @@ namespace {
 
 constexpr const char* kServiceUser = "ovws";
 constexpr const char* kClientsField = "security.clients";
-constexpr mode_t kOthers = S_IRWXG | S_IRWXO;
 
 struct User {
   uid_t uid = 0;
@@ -86,35 +85,23 @@ std::string path_check_command(const std::string& path) {
   return "namei -l " + shell_word(path);
 }
 
-std::string fix_of_secret(const std::string& path, bool readable, const User& user) {
+/// Command that fixes the secret key, or else the list of clients. `readable`: by the daemon.
+std::string fix_of(const std::string& path, bool secret, bool readable, const User& user) {
   const std::string word = shell_word(path);
+  const std::string make = "sudo ovws keygen -o " + word, edit = "sudoedit " + word;
+  const std::string own = "sudo chown " + (secret ? user.name : "root") + " " + word;
+  const std::string close = std::string("sudo chmod ") + (secret ? "600 " : "644 ") + word;
   struct stat about {};
-  if (is_missing(path)) {
-    return "sudo ovws keygen -o " + word + " && sudo chown " + user.name + " " + word;
-  }
+  if (is_missing(path)) return secret ? make + " && " + own : edit;
   if (::stat(path.c_str(), &about) != 0) return path_check_command(path);
-  const std::string close = "sudo chmod 600 " + word;
-  const bool open = (about.st_mode & kOthers) != 0;
-  if (about.st_uid != user.uid) {
-    return "sudo chown " + user.name + " " + word + (open ? " && " + close : "");
-  }
-  if (open || (about.st_mode & S_IRUSR) == 0) return close;
-  return readable ? "sudo ovws keygen -o " + word + " --replace" : path_check_command(path);
-}
-
-std::string fix_of_clients(const std::string& path, bool readable, const User& user) {
-  const std::string word = shell_word(path);
-  struct stat about {};
-  if (is_missing(path)) return "sudoedit " + word;
-  if (::stat(path.c_str(), &about) != 0) return path_check_command(path);
-  const bool foreign = about.st_uid != 0 && about.st_uid != user.uid;
-  const bool closed = !readable && (about.st_mode & S_IROTH) == 0;
-  const std::string own = foreign ? "sudo chown root " + word : "";
-  if (closed || (about.st_mode & S_IWOTH) != 0) {
-    return own + (foreign ? " && " : "") + "sudo chmod 644 " + word;
-  }
-  if (foreign) return own;
-  return readable ? "sudoedit " + word : path_check_command(path);
+  const auto has = [&about](mode_t bits) { return (about.st_mode & bits) != 0; };
+  const bool foreign = about.st_uid != user.uid && (secret || about.st_uid != 0);
+  const bool wrong_mode = secret ? has(S_IRWXG | S_IRWXO) || !has(S_IRUSR)
+                                 : has(S_IWOTH) || (!readable && !has(S_IROTH));
+  if (foreign) return wrong_mode ? own + " && " + close : own;
+  if (wrong_mode) return close;
+  if (!readable) return path_check_command(path);
+  return secret ? make + " --replace" : edit;
 }
 
 /// True if a check of the clients file by the caller also holds for the daemon's user: root owns
@@ -135,7 +122,7 @@ KeyFileCheck check_key_files(const std::string& config_path, const Config& confi
   }
   const User user = daemons_user(config_path, *secret);
   check.user = user.name;
-  bool readable = false;
+  bool readable = false, of_secret = true;
   {
     const RightsOf rights(user);
     check.read = rights || is_missing(*secret);
@@ -143,11 +130,11 @@ KeyFileCheck check_key_files(const std::string& config_path, const Config& confi
                       : is_conclusive(*clients) ? check_clients(*clients)
                                                 : Result<void>{};
     if (!safe) check.error = safe.error();
-    readable = can_read(check.error && check.error->field == kClientsField ? *clients : *secret);
+    of_secret = !check.error || check.error->field != kClientsField;
+    readable = can_read(of_secret ? *secret : *clients);
   }
   if (!check.error) return check;
-  check.fix = check.error->field == kClientsField ? fix_of_clients(*clients, readable, user)
-                                                  : fix_of_secret(*secret, readable, user);
+  check.fix = fix_of(of_secret ? *secret : *clients, of_secret, readable, user);
   return check;
 }
 
