@@ -216,11 +216,9 @@ Result<void> Parts::bind_streams(std::atomic<bool>& reload) {
       std::move(*measurement), wavelength_nm,
       StreamPublisherDeps{pipeline, frames, [this] { return loop->is_closed(); }, corrector,
                           counters, queue, published_latency});
-  ImagePublisherConfig image_config;
-  image_config.rate_hz = config.stream.image_rate_hz;
-  image_config.wavelength_nm = wavelength_nm;
-  images = std::make_unique<ImagePublisher>(std::move(*image_socket), image_config, pipeline,
-                                            counters, frames, grabs, brightness);
+  images = std::make_unique<ImagePublisher>(std::move(*image_socket), wavelength_nm,
+                                            config.stream.image_rate_hz, pipeline, counters, frames,
+                                            grabs, brightness);
   reloader = std::make_unique<Reloader>(
       ReloadDeps{*settings, leases, camera, slm, *keeper, *refiner, *images, events, disk, reload});
   status = std::make_unique<StatusReporter>(

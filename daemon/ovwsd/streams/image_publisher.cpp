@@ -12,22 +12,23 @@
 namespace ovws {
 namespace {
 
+constexpr int kPhaseSizePx = 128;
 constexpr std::int64_t kTurnNs = 50'000'000;
 constexpr std::int64_t kPauseNs = 10'000'000;  // between two checks for open requests
 
 }  // namespace
 
-ImagePublisher::ImagePublisher(Publisher socket, const ImagePublisherConfig& config,
+ImagePublisher::ImagePublisher(Publisher socket, double wavelength_nm, double rate_hz,
                                Pipeline& pipeline, Counters& counters, FrameTaps& frames,
                                FrameGrabs& grabs, ImageBrightness& brightness)
     : socket_(std::move(socket)),
-      config_(config),
+      wavelength_nm_(wavelength_nm),
       pipeline_(pipeline),
       counters_(counters),
       frames_(frames),
       grabs_(grabs),
       brightness_(brightness),
-      rate_hz_(config_.rate_hz) {}
+      rate_hz_(rate_hz) {}
 
 bool ImagePublisher::image_is_due() const {
   return rate_hz_.load() > 0.0 && monotonic_ns() >= next_ns_;
@@ -88,7 +89,7 @@ void ImagePublisher::send_phase(const FrameRecord& record) {
   const auto& modes_j = record.plan->modes_j;
   if (!phase_map_ || modes_j != phase_modes_j_) {
     phase_modes_j_ = modes_j;
-    phase_map_ = std::make_unique<PhaseMap>(modes_j, config_.phase_size_px);
+    phase_map_ = std::make_unique<PhaseMap>(modes_j, kPhaseSizePx);
   }
   PhaseMessage message;
   message.seq = phase_seq_++;
@@ -96,7 +97,7 @@ void ImagePublisher::send_phase(const FrameRecord& record) {
   message.hologram_id = record.hologram_id;
   message.t_arrival_ns = record.frame.t_arrival_ns;
   message.valid = record.valid;
-  message.wavelength_nm = config_.wavelength_nm;
+  message.wavelength_nm = wavelength_nm_;
   phase_map_->render(std::span(record.coefficients).first(std::size_t(record.mode_count)),
                      phase_waves_);
   if (!record.valid) {

@@ -20,18 +20,13 @@
 
 namespace ovws {
 
-struct ImagePublisherConfig {
-  double rate_hz = 10.0;  ///< images per second; 0: no images are sent
-  double wavelength_nm = 632.0;
-  int phase_size_px = 128;
-};
-
 /// Agent of the images thread.
 class ImagePublisher : public Agent {
  public:
-  /// `frames`, `grabs` and `brightness` must outlive this object. Taps for pixels are served
-  /// between two images, and `grabs` are ended; `brightness` looks at each image that is sent.
-  ImagePublisher(Publisher socket, const ImagePublisherConfig& config, Pipeline& pipeline,
+  /// `rate_hz`: as for set_rate. `frames`, `grabs` and `brightness` must outlive this object. Taps
+  /// for pixels are served between two images, and `grabs` are ended; `brightness` looks at each
+  /// image that is sent.
+  ImagePublisher(Publisher socket, double wavelength_nm, double rate_hz, Pipeline& pipeline,
                  Counters& counters, FrameTaps& frames, FrameGrabs& grabs,
                  ImageBrightness& brightness);
 
@@ -52,7 +47,7 @@ class ImagePublisher : public Agent {
   void send_phase(const FrameRecord& record);
 
   Publisher socket_;
-  ImagePublisherConfig config_;
+  const double wavelength_nm_;
   Pipeline& pipeline_;
   Counters& counters_;
   FrameTaps& frames_;
