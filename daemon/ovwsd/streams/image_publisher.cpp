@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kPhaseSizePx = 128;
 constexpr std::int64_t kTurnNs = 50'000'000;
-constexpr std::int64_t kPauseNs = 10'000'000;  // between two checks for open requests
+constexpr double kPauseNs = 1e7;  // between two checks for open requests
 
 }  // namespace
 
@@ -30,16 +30,18 @@ ImagePublisher::ImagePublisher(Publisher socket, double wavelength_nm, double ra
       brightness_(brightness),
       rate_hz_(rate_hz) {}
 
-bool ImagePublisher::image_is_due() const {
-  return rate_hz_.load() > 0.0 && monotonic_ns() >= next_ns_;
+/// Time until the next image is due; infinite: none is sent.
+double ImagePublisher::wait_ns() const {
+  const double rate_hz = rate_hz_.load();
+  const double period_ns = rate_hz > 0.0 ? 1e9 / rate_hz : std::numeric_limits<double>::infinity();
+  return period_ns - double(monotonic_ns() - sent_ns_);
 }
 
 bool ImagePublisher::do_work() {
   grabs_.end_due();
-  if (!requested_ && !frames_.wants_pixels() && !image_is_due()) {
-    const std::int64_t wait_ns = rate_hz_.load() > 0.0 ? next_ns_ - monotonic_ns() : kPauseNs;
-    std::this_thread::sleep_for(
-        std::chrono::nanoseconds(std::clamp<std::int64_t>(wait_ns, 0, kPauseNs)));
+  const double wait = wait_ns();
+  if (!requested_ && !frames_.wants_pixels() && wait > 0.0) {
+    std::this_thread::sleep_for(std::chrono::nanoseconds(std::int64_t(std::min(wait, kPauseNs))));
     return false;
   }
   if (!requested_) pipeline_.request_image();
@@ -51,8 +53,8 @@ bool ImagePublisher::do_work() {
   const std::unique_ptr<FrameRecord, decltype(release)> held(record, release);
   serve(*record);
   grabs_.end_due();
-  if (const double rate_hz = rate_hz_.load(); rate_hz > 0.0 && monotonic_ns() >= next_ns_) {
-    next_ns_ = monotonic_ns() + std::int64_t(1e9 / rate_hz);
+  if (wait_ns() <= 0.0) {
+    sent_ns_ = monotonic_ns();
     send(*record);
   }
   return true;

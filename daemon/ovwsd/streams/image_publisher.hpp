@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -34,13 +35,10 @@ class ImagePublisher : public Agent {
   std::uint64_t sent() const { return sent_.load(); }  ///< Thread-safe.
   const ImageBrightness& brightness() const { return brightness_; }
   /// Sets the rate of images and phase maps, in Hz; 0: none are sent. Thread-safe.
-  void set_rate(double rate_hz) {
-    rate_hz_.store(rate_hz);
-    next_ns_.store(0);
-  }
+  void set_rate(double rate_hz) { rate_hz_.store(rate_hz); }
 
  private:
-  bool image_is_due() const;
+  double wait_ns() const;
   void serve(const FrameRecord& record);
   void send(const FrameRecord& record);
   void send_image(const FrameRecord& record);
@@ -54,7 +52,7 @@ class ImagePublisher : public Agent {
   FrameGrabs& grabs_;
   ImageBrightness& brightness_;
   std::atomic<double> rate_hz_;
-  std::atomic<std::int64_t> next_ns_{0};
+  std::int64_t sent_ns_ = std::numeric_limits<std::int64_t>::min() / 2;  ///< long ago: none yet
   bool requested_ = false;
   std::atomic<std::uint64_t> sent_{0};
   std::uint64_t image_seq_ = 0, phase_seq_ = 0;
