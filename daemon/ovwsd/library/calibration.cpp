@@ -72,6 +72,7 @@ inline constexpr auto kTable<Calibration> = Fields{
     inlined(&Calibration::matrix),
     field<&Calibration::frames>("averaged frames", limits::kPokeFrames).mandatory(),
     field<&Calibration::t_taken_ns>(kTimeMeaning).mandatory(),
+    time_text("t_taken", &Calibration::t_taken_ns),
     field<&Calibration::amplitude_waves>("requested poke", limits::kGivenPokeWaves).mandatory(),
     field<&Calibration::origin>("bench and settings").mandatory()};
 
@@ -88,7 +89,6 @@ template <>
 struct Rules<CalibrationFile> {
   static void check(const CalibrationFile& file, ObjectReader& reader) {
     const InteractionMatrix& matrix = file.calibration.matrix;
-    reader.raw("t_taken");  // for people
     if (matrix.amplitude_waves.size() != matrix.modes_j.size()) {
       return reader.fault("amplitudes_waves", "must have one value for each mode");
     }
@@ -111,9 +111,7 @@ nlohmann::json calibration_content(const Calibration& calibration) {
   if (calibration.shapes) {
     file.shapes = std::make_shared<const Json>(shapes_content(*calibration.shapes));
   }
-  Json content = to_json(file);
-  content["t_taken"] = utc_text(calibration.t_taken_ns);
-  return content;
+  return to_json(file);
 }
 
 Result<Calibration> calibration_from(const nlohmann::json& content) {

@@ -84,6 +84,7 @@ inline constexpr auto kTable<Reference> =
     Fields{"ReferenceFile",
            field<&Reference::source>("measured, or predicted").mandatory(),
            based<SourceReference>(),
+           time_text("t_taken", &Reference::t_taken_ns),
            field<&Reference::origin>("bench and settings").mandatory(),
            field<&Reference::picture>("mean image").mandatory(),
            field<&Reference::beams>("of the further sources").sized(0, kMaxBeams).or_left_out()};
@@ -91,7 +92,6 @@ inline constexpr auto kTable<Reference> =
 template <>
 struct Rules<Reference> {
   static void check(const Reference& reference, ObjectReader& reader) {
-    reader.raw("t_taken");  // for people
     const std::size_t spots = reference.positions_px.size();
     const auto has_all = [spots](const auto& one) {
       return one.positions_px.size() == spots && one.standard_error_px.size() == spots;
@@ -106,9 +106,7 @@ struct Rules<Reference> {
 };
 
 nlohmann::json reference_content(const Reference& reference) {
-  Json content = to_json(reference);
-  content["t_taken"] = utc_text(reference.t_taken_ns);
-  return content;
+  return to_json(reference);
 }
 
 Result<Reference> reference_from(const nlohmann::json& content) {
