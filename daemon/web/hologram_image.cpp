@@ -25,28 +25,18 @@ std::vector<Mode> modes_of(const json& list) {
   return modes;
 }
 
-Result<HologramConfig> ingredients(const HologramSources& sources, const Config& config) {
-  HologramConfig configured{config.slm.geometry, config.sensor, linear_lut(), nullptr,
-                            std::nullopt};
-  if (config.modulator == Modulator::dmd) configured.dmd = config.dmd;
-  if (!load_masks(configured.sensor)) {
+Result<HologramConfig> ingredients(const HologramSources& sources, Config config) {
+  config.slm.lut.reset();  // the daemon sends the LUT that it uses
+  auto loaded = load_hologram_config(config);
+  if (!loaded) {
     return fail(Errc::unavailable, "",
-                "ovws-web cannot read the mask (sensor.mask.file) on this machine");
+                "ovws-web cannot read the file (" + loaded.error().field + ") on this machine");
   }
-  configured.lut = sources.lut["grey_levels"].get<PhaseLut>();
-  if (config.slm.flatness) {
-    auto map = load_flatness(*config.slm.flatness, config.slm.geometry.width_px,
-                             config.slm.geometry.height_px);
-    if (!map) {
-      return fail(Errc::unavailable, "",
-                  "ovws-web cannot read the flatness map (slm.flatness) on this machine");
-    }
-    configured.flatness_waves = std::move(*map);
-  }
-  if (!sources.flatness["measured"].get<bool>()) return configured;
-  configured.flatness_waves = flattened(configured, modes_of(sources.flatness["modes"]), {},
-                                        sources.flatness["pupil_diameter_px"].get<double>());
-  return configured;
+  loaded->lut = sources.lut["grey_levels"].get<PhaseLut>();
+  if (!sources.flatness["measured"].get<bool>()) return loaded;
+  loaded->flatness_waves = flattened(*loaded, modes_of(sources.flatness["modes"]), {},
+                                     sources.flatness["pupil_diameter_px"].get<double>());
+  return loaded;
 }
 
 /// Whether all replies belong to the same hologram.

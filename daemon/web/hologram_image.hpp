@@ -32,7 +32,7 @@ struct HologramSources {
 
 /// Renders the hologram and encodes it as PNG; takes tens of milliseconds. Errors:
 /// Errc::unavailable if the hologram changed between the replies, if a job shows its own patterns,
-/// or if the flatness file is not on this machine.
+/// or if a flatness or mask file is not on this machine.
 Result<HologramImagePtr> draw_hologram(const HologramSources& sources);
 
 }  // namespace ovws::web
