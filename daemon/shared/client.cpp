@@ -13,6 +13,7 @@
 #include "proto/endpoint.hpp"
 #include "proto/json_text.hpp"
 #include "proto/measurable_image.hpp"
+#include "proto/rpc.hpp"
 
 namespace ovws::cli {
 namespace {
@@ -118,7 +119,8 @@ CallFailure failure(std::string message) {
 }
 
 CallFailure failure(const Error& error) {
-  return {true, {{"message", text_of(error)}, {"data", {{"field", error.field}}}}};
+  RpcFailure as_reply = rpc_failure(error);
+  return {true, {{"message", std::move(as_reply.message)}, {"data", std::move(as_reply.data)}}};
 }
 
 tl::expected<json, CallFailure> call(const Common& common, const std::string& method,

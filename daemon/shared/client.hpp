@@ -41,7 +41,7 @@ struct CallFailure {
   nlohmann::json error;   ///< JSON-RPC error object; with `answered` false only "message"
 };
 
-/// A failure that this program found, in the form of an error of the daemon.
+/// A failure that this program found, in the form of an error of the daemon, without its code.
 CallFailure failure(std::string message);
 CallFailure failure(const Error& error);
 

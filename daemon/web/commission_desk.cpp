@@ -11,9 +11,7 @@ using nlohmann::json;
 constexpr int kMaxRequestDepth = 4;
 
 json error_json(const Error& error) {
-  return {{"error",
-           {{"message", text_of(error)},
-            {"data", {{"field", error.field}, {"reason", error.reason}}}}}};
+  return {{"error", cli::failure(error).error}};
 }
 
 }  // namespace

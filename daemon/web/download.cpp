@@ -15,13 +15,6 @@ constexpr std::size_t kChunkBytes = 1024 * 1024;
 /// A browser that waits for its user stops to read; it loses the connection after this time.
 constexpr std::chrono::minutes kSlowReader{5};
 
-/// An error in the form of a JSON-RPC error.
-json error_of(const Error& error) {
-  return {
-      {"error",
-       {{"message", error.reason}, {"data", {{"field", error.field}, {"reason", error.reason}}}}}};
-}
-
 std::string listed(const cli::Common& common) {
   const auto list = list_recordings(common);
   return json_text(list ? json{{"result", *list}} : json{{"error", list.error().error}});
@@ -59,7 +52,7 @@ Task<void> Session::ticket(Request& parser, const RequestHead& head) {
     reply["result"]["path"] =
         std::string(kRecordingPath) + query->name + "&ticket=" + parts_.tickets.give(query->name);
   } else {
-    reply = error_of(opened->error());
+    reply["error"] = cli::failure(opened->error()).error;
   }
   connection_.expires_after(kSlowReader);
   std::string text = json_text(reply);
@@ -81,7 +74,7 @@ Task<void> Session::recording(const RequestHead& head, Right right) {
   if (!opened) co_return;
   connection_.expires_after(kSlowReader);
   if (!*opened) {
-    std::string text = json_text(error_of(opened->error()));
+    std::string text = json_text({{"error", cli::failure(opened->error()).error}});
     co_return co_await answer(http::status::not_found, "application/json", std::move(text));
   }
   const auto file = **opened;
