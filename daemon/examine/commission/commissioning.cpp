@@ -315,13 +315,6 @@ Result<std::string> Commissioning::picture_png(std::string_view name) const {
   return fail(Errc::unavailable, "step", std::string(name) + " has no picture");
 }
 
-const StepReport* next_step(const Report& report) {
-  const auto found = std::ranges::find_if(report.steps, [](const StepReport& step) {
-    return step.state == State::open || step.state == State::failed;
-  });
-  return found == report.steps.end() ? nullptr : &*found;
-}
-
 std::vector<std::string> step_names() {
   std::vector<std::string> names;
   for (const Step& step : steps()) names.emplace_back(step.name);

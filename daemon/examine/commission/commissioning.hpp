@@ -98,8 +98,6 @@ class Commissioning {
   std::thread worker_;
 };
 
-/// The first step that is neither done nor skipped; null: there is none.
-const StepReport* next_step(const Report& report);
 /// The names of all steps in order.
 std::vector<std::string> step_names();
 
