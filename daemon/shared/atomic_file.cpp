@@ -30,6 +30,8 @@ const char* remedy(int error) {
     case ENOENT:
     case ENOTDIR:
       return ": create the folder, or choose another one";
+    case EEXIST:
+      return ": choose another name";
     default:
       return ": check the disk, or choose another folder";
   }
@@ -37,7 +39,7 @@ const char* remedy(int error) {
 
 tl::unexpected<Error> failure(const std::string& path, const char* what) {
   const int error = errno;
-  return fail(Errc::unavailable, "path",
+  return fail(error == EEXIST ? Errc::refused : Errc::unavailable, "path",
               path + " cannot be " + what + ": " + std::strerror(error) + remedy(error));
 }
 
@@ -122,6 +124,13 @@ Result<void> replace_file(const std::string& path, std::string_view content,
 Result<void> replace_secret_file(const std::string& path, std::string_view content,
                                  const FileCalls& calls) {
   return replace(path, content, copy_secret_permissions, calls);  // mkostemps sets mode 0600
+}
+
+Result<void> create_secret_file(const std::string& path, std::string_view content) {
+  const auto rename_to_new = [](const char* from, const char* to) {
+    return ::link(from, to) == 0 ? ::unlink(from) : -1;
+  };
+  return replace_secret_file(path, content, {::write, ::fsync, rename_to_new});
 }
 
 Result<void> remove_file(const std::string& path, const FileCalls& calls) {

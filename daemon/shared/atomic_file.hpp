@@ -34,6 +34,9 @@ Result<void> replace_file(const std::string& path, std::string_view content,
 Result<void> replace_secret_file(const std::string& path, std::string_view content,
                                  const FileCalls& calls = {});
 
+/// The same for a new file. Errors: as replace_file, and Errc::refused if the path exists.
+Result<void> create_secret_file(const std::string& path, std::string_view content);
+
 /// Removes a file and syncs its folder; a missing file is no error. Errors: as replace_file.
 Result<void> remove_file(const std::string& path, const FileCalls& calls = {});
 

@@ -19,7 +19,6 @@ namespace {
 constexpr const char* kPathField = "path";
 constexpr std::size_t kMaxFileBytes = 1 << 20;
 constexpr int kMaxDepth = 4;
-constexpr mode_t kOwnerOnly = 0600;
 
 class Descriptor {
  public:
@@ -125,21 +124,11 @@ Result<void> write_key_file(const std::string& path, const KeyFile& keys, bool r
   if (!keys.server_key.empty()) content["server_key"] = keys.server_key;
   const std::string text = content.dump(2) + "\n";
   if (replace) return replace_secret_file(path, text);
-  const Descriptor file(
-      ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, kOwnerOnly));
-  if (file.get() < 0 && errno == EEXIST) {
-    return key_error(
-        Errc::refused, path,
-        "exists already, and users of its key would lose access: choose another name, or "
-        "use --replace");
-  }
-  const bool written = file.get() >= 0 && ::fchmod(file.get(), kOwnerOnly) == 0 &&
-                       ::write(file.get(), text.data(), text.size()) == ssize_t(text.size()) &&
-                       ::fsync(file.get()) == 0;
-  if (written) return {};
-  const std::string why = std::strerror(errno);
-  if (file.get() >= 0) ::unlink(path.c_str());
-  return key_error(Errc::unavailable, path, "cannot be written: " + why);
+  auto created = create_secret_file(path, text);
+  if (created || created.error().code != Errc::refused) return created;
+  return key_error(Errc::refused, path,
+                   "exists already, and users of its key would lose access: choose another name, "
+                   "or use --replace");
 }
 
 }  // namespace ovws

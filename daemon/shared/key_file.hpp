@@ -21,8 +21,8 @@ Result<KeyFile> load_key_file(const std::string& path);
 /// Path of the credential that systemd passed to this service by LoadCredential=; empty: none.
 std::string credential_path(const std::string& name);
 /// Writes a key file of mode 0600. Errors (field "path"): Errc::refused if it exists and `replace`
-/// is false. A replaced file keeps its owner. Replacement is atomic: readers find either the old
-/// keys or the new keys, and an error leaves the old keys.
+/// is false. A replaced file keeps its owner. Writing is atomic: readers find either the old keys,
+/// or none, or the new keys, and an error leaves the old ones.
 Result<void> write_key_file(const std::string& path, const KeyFile& keys, bool replace);
 
 /// Reads a file. Refuses a file that has any of the mode bits `forbidden`, or that belongs neither

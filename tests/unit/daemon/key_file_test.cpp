@@ -77,6 +77,7 @@ TEST_F(KeyFiles, AreNotOverwrittenUnlessRequested) {
   ASSERT_FALSE(written);
   EXPECT_EQ(written.error().code, Errc::refused);
   EXPECT_EQ(text(), "precious");
+  EXPECT_EQ(files(), 1);
 }
 
 TEST_F(KeyFiles, ReplaceTheOldOneWhateverItsModeWas) {
