@@ -19,11 +19,6 @@ bool is_port(std::string_view text) {
   return port && *port >= 1 && *port <= 65535;
 }
 
-/// HOST of "tcp://HOST:PORT".
-std::string host_of_tcp(std::string_view endpoint) {
-  return std::string(endpoint.substr(kTcp.size(), endpoint.rfind(':') - kTcp.size()));
-}
-
 /// Whether the host is "[ADDRESS]", an IPv6 address, which may name its interface
 /// ("[fe80::1%eth0]").
 bool is_ipv6_host(const std::string& host) {
@@ -34,6 +29,12 @@ bool is_ipv6_host(const std::string& host) {
 }
 
 }  // namespace
+
+std::string host_of(std::string_view endpoint) {
+  const auto colon = endpoint.rfind(':');
+  if (!endpoint.starts_with(kTcp) || colon < kTcp.size()) return {};
+  return std::string(endpoint.substr(kTcp.size(), colon - kTcp.size()));
+}
 
 std::optional<std::string> endpoint_fault(std::string_view endpoint) {
   const std::string is = "\"" + std::string(endpoint.substr(0, 200)) + "\" is not an endpoint: ";
@@ -49,7 +50,7 @@ std::optional<std::string> endpoint_fault(std::string_view endpoint) {
   if (colon == std::string_view::npos || colon == 0 || !is_port(address.substr(colon + 1))) {
     return is + "it must end with :PORT, from 1 to 65535";
   }
-  const std::string host = host_of_tcp(endpoint);
+  const std::string host = host_of(endpoint);
   if (host.find_first_of("[]:") != std::string::npos && !is_ipv6_host(host)) {
     return is + "an IPv6 address is written in brackets, e.g. tcp://[::1]:7702";
   }
@@ -58,31 +59,29 @@ std::optional<std::string> endpoint_fault(std::string_view endpoint) {
 
 std::optional<std::string> bind_fault(std::string_view endpoint) {
   if (auto fault = endpoint_fault(endpoint)) return fault;
-  if (!endpoint.starts_with(kTcp) || host_of_tcp(endpoint) != "localhost") return std::nullopt;
+  if (host_of(endpoint) != "localhost") return std::nullopt;
   return "\"" + std::string(endpoint) + "\" is a name: give the address, tcp://127.0.0.1" +
          std::string(endpoint.substr(endpoint.rfind(':')));
 }
 
 bool is_ipv6(std::string_view endpoint) {
-  return endpoint.starts_with(kTcp) && is_ipv6_host(host_of_tcp(endpoint));
+  return is_ipv6_host(host_of(endpoint));
 }
 
 bool is_reached_from_here_only(std::string_view endpoint) {
   if (endpoint.starts_with(kIpc)) return !endpoint.substr(kIpc.size()).starts_with('@');
-  if (!endpoint.starts_with(kTcp)) return false;
-  const std::string host = host_of_tcp(endpoint);
+  const std::string host = host_of(endpoint);
   in_addr address{};
   if (::inet_pton(AF_INET, host.c_str(), &address) == 1) return ntohl(address.s_addr) >> 24 == 127;
   return host == "[::1]";
 }
 
 std::string local_endpoint(std::string_view endpoint) {
-  const auto colon = endpoint.rfind(':');
-  if (!endpoint.starts_with(kTcp) || colon < kTcp.size()) return std::string(endpoint);
-  const auto host = endpoint.substr(kTcp.size(), colon - kTcp.size());
-  const std::string port(endpoint.substr(colon));
-  if (host == "*" || host == "0.0.0.0") return "tcp://127.0.0.1" + port;
-  return host == "[::]" ? "tcp://[::1]" + port : std::string(endpoint);
+  const std::string host = host_of(endpoint);
+  const bool is_any = host == "*" || host == "0.0.0.0";
+  if (!is_any && host != "[::]") return std::string(endpoint);
+  const std::string port(endpoint.substr(endpoint.rfind(':')));
+  return (is_any ? "tcp://127.0.0.1" : "tcp://[::1]") + port;
 }
 
 }  // namespace ovws

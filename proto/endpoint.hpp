@@ -7,6 +7,9 @@
 
 namespace ovws {
 
+/// HOST of "tcp://HOST:PORT"; empty for anything else.
+std::string host_of(std::string_view endpoint);
+
 /// Why a text is not a valid endpoint; none if it is valid. Valid are tcp://ADDRESS:PORT with a
 /// port from 1 to 65535, and ipc://PATH with a path of at most 107 bytes. ADDRESS is a host name,
 /// an interface, an IPv4 address or an IPv6 address in brackets. libzmq does not check the port: it

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
-#include <string_view>
 #include <utility>
 
 #include "daemon/shared/key_file.hpp"
@@ -25,14 +24,6 @@ constexpr const char* kForeignReply =
     "the reply is not one of ovwsd: check that the endpoint is its control endpoint, and that ovws "
     "has "
     "the same version";
-
-/// HOST of "tcp://HOST:PORT"; empty for anything else.
-std::string host_of(const std::string& endpoint) {
-  constexpr std::string_view kTcp = "tcp://";
-  const auto colon = endpoint.rfind(':');
-  if (!endpoint.starts_with(kTcp) || colon < kTcp.size()) return {};
-  return endpoint.substr(kTcp.size(), colon - kTcp.size());
-}
 
 /// Whether the host exists. If the name service does not answer, it may.
 bool may_exist(std::string host) {
@@ -69,10 +60,9 @@ Result<std::optional<ClientKeys>> keys_of(const Common& common) {
 /// Translates a stream's bind address for this client. For wildcard and loopback addresses it uses
 /// the host through which the control socket was reached.
 std::string reachable_endpoint(const std::string& stream, const std::string& control) {
-  const std::string bound = host_of(stream);
+  const std::string bound = host_of(local_endpoint(stream));
   const std::string reached = host_of(control);
-  const bool own_name = bound == "*" || bound == "0.0.0.0" || bound == "127.0.0.1" ||
-                        bound == "localhost" || bound == "[::]" || bound == "[::1]";
+  const bool own_name = bound == "127.0.0.1" || bound == "[::1]";
   if (!own_name || reached.empty()) return stream;
   return "tcp://" + reached + stream.substr(stream.rfind(':'));
 }
