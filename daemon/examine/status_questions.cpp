@@ -119,12 +119,12 @@ Finding judge_state(const DaemonFacts& facts) {
 }
 
 Finding judge_store(const DaemonFacts& facts) {
+  const std::string folder = text_at(*facts.status, "/store/directory");
   const std::string reason = text_at(*facts.status, "/store/reason");
-  if (reason.empty()) {
-    return good("the daemon stores its measurements in " +
-                text_at(*facts.status, "/store/directory"));
-  }
-  return warning("the daemon cannot store all its measurements: " + reason,
+  if (reason.empty()) return good("the daemon stores its measurements in " + folder);
+  return warning((folder.empty() ? "the daemon saves nothing across restarts: "
+                                 : "the daemon cannot store all its measurements: ") +
+                     reason,
                  "\"state\": {\"directory\": \"/var/lib/ovws\"}");
 }
 

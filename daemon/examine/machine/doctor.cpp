@@ -34,8 +34,7 @@ void add_not_here(Findings& all, const char* name, const char* why) {
 
 StateFacts state_of_daemon(const DaemonFacts& daemon) {
   const std::string folder = text_at(*daemon.status, "/store/directory");
-  return read_state_of_daemon(folder.empty() ? std::nullopt : std::optional(folder),
-                              text_at(*daemon.status, "/store/reason"));
+  return read_state_of_daemon(folder.empty() ? std::nullopt : std::optional(folder));
 }
 
 }  // namespace
@@ -75,7 +74,8 @@ Findings examine_all(const std::string& path, const std::string& endpoint, const
     } else {
       add(found, answers(read_display(config.slm, shows_holograms(daemon))));
     }
-    add(found, answers(is_of_daemon ? state_of_daemon(daemon) : read_state(config.state)));
+    add(found, answers(is_of_daemon ? state_of_daemon(daemon)
+                                    : read_state(config.state, configuration.path)));
   } else {
     for (const char* name : {"camera", "slm", "state"}) {
       add_not_here(found, name, "the configuration could not be loaded");

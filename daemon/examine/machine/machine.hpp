@@ -87,9 +87,8 @@ Findings answers(const DisplayFacts& facts);
 // State folder: whether measurements survive a restart.
 
 struct StateFacts {
-  std::optional<std::string> directory;  ///< none: not configured, and the service's does not exist
+  std::optional<std::string> directory;  ///< none: not configured, and no service's folder exists
   bool of_daemon = false;                ///< `directory` is what the running daemon reports
-  std::string why_none;                  ///< why a daemon uses no folder; empty: not known
   bool there = false;
   bool is_folder = false;
   bool writable = false;  ///< by this user; before creation: the nearest existing parent
@@ -98,11 +97,11 @@ struct StateFacts {
   std::uint64_t free_bytes = 0;  ///< free space on the directory's disk, available without root
 };
 
-/// Reads the facts about the state directory. Writes nothing, not even a test file.
-StateFacts read_state(const StateConfig& config);
-/// The same about the folder that a running daemon uses; none: it uses none, because of `why_none`.
-StateFacts read_state_of_daemon(const std::optional<std::string>& folder,
-                                const std::string& why_none);
+/// Reads the facts about the state directory of a configuration from the file `path` (empty: from
+/// none). Writes nothing, not even a test file.
+StateFacts read_state(const StateConfig& config, const std::string& path);
+/// The same about the folder that a running daemon uses; none: it uses none.
+StateFacts read_state_of_daemon(const std::optional<std::string>& folder);
 Findings answers(const StateFacts& facts);
 
 // Host: real-time limits, CPU power management and the clock.

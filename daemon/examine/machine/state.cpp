@@ -17,10 +17,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::optional<std::string> folder_of(const StateConfig& config) {
+std::optional<std::string> folder_of(const StateConfig& config, const std::string& path) {
   if (auto named = state_directory_of(config)) return named;
-  if (::access(kServiceFolder, F_OK) == 0) return kServiceFolder;
-  return std::nullopt;
+  const auto service = service_state_folder(path);
+  return service && ::access(service->c_str(), F_OK) == 0 ? service : std::nullopt;
 }
 
 /// The longest existing prefix of the path: the folder in which a missing part would be created.
@@ -45,9 +45,8 @@ bool is_hidden(const StateFacts& facts) {
 }
 
 Finding judge_folder(const StateFacts& facts) {
-  if (!facts.directory && facts.of_daemon && !facts.why_none.empty()) {
-    return warning("the daemon saves nothing across restarts: " + facts.why_none,
-                   "\"state\": {\"directory\": \"/var/lib/ovws\"}");
+  if (!facts.directory && facts.of_daemon) {
+    return not_here("the daemon uses no state folder: daemon.store says why");
   }
   if (!facts.directory) {
     return warning(
@@ -124,18 +123,16 @@ StateFacts looked_at(StateFacts facts) {
 
 }  // namespace
 
-StateFacts read_state(const StateConfig& config) {
+StateFacts read_state(const StateConfig& config, const std::string& path) {
   StateFacts facts;
-  facts.directory = folder_of(config);
+  facts.directory = folder_of(config, path);
   return looked_at(std::move(facts));
 }
 
-StateFacts read_state_of_daemon(const std::optional<std::string>& folder,
-                                const std::string& why_none) {
+StateFacts read_state_of_daemon(const std::optional<std::string>& folder) {
   StateFacts facts;
   facts.directory = folder;
   facts.of_daemon = true;
-  facts.why_none = why_none;
   return looked_at(std::move(facts));
 }
 

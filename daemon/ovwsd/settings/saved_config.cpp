@@ -205,7 +205,7 @@ bool is_service_config(const std::string& path) {
 
 std::optional<std::string> service_state_folder(const std::string& path) {
   if (!is_service_config(path)) return std::nullopt;
-  return kServiceFolder;
+  return "/var/lib/ovws";
 }
 
 Result<LoadedConfig> load_with_saved(const std::string& path,

@@ -11,9 +11,8 @@
 
 namespace ovws {
 
-/// The service's configuration file and state folder.
+/// The service's configuration file.
 inline constexpr const char* kServicePath = "/etc/ovws/ovwsd.json";
-inline constexpr const char* kServiceFolder = "/var/lib/ovws";
 
 /// A configuration as loaded: the file, the saved values, and the effective result.
 struct LoadedConfig {

@@ -118,6 +118,8 @@ TEST(DoctorDaemon, FaultsOfTheStatusAreReported) {
   EXPECT_TRUE(is_for_later(named(answers(facts), "sensor.layout")));
   (*facts.status)["store"]["reason"] = "the disk is full";
   expect(facts, "daemon.store", Severity::warning);
+  (*facts.status)["store"] = {{"directory", nullptr}, {"reason", "/s cannot be created"}};
+  EXPECT_NE(named(answers(facts), "daemon.store").text.find("restarts: /s"), std::string::npos);
   (*facts.status)["failed_job"] = {
       {"kind", "lut.run"}, {"reason", "no light"}, {"t_failed", "2026-01-01T00:00:00.000Z"}};
   expect(facts, "daemon.job", Severity::warning, "ovws call --wait lut.run");
