@@ -51,8 +51,10 @@ Image<float> fractions(const json& header, const StreamMessage& message) {
   const int bits = header.at("significant_bits").get<int>();
   const float full_scale = float((1 << bits) - 1);
   const std::size_t bytes = bits > 8 ? 2 : 1;
-  const std::size_t count = std::min(image.pixels.size(), message.binary.size() / bytes);
-  for (std::size_t k = 0; k < count; ++k) {
+  if (message.binary.size() != image.pixels.size() * bytes) {
+    throw StepFailed{{Errc::unavailable, "camera", "an image came cut off: run the step again"}};
+  }
+  for (std::size_t k = 0; k < image.pixels.size(); ++k) {
     std::uint16_t value = 0;
     std::memcpy(&value, &message.binary[k * bytes], bytes);
     image.pixels[k] = float(value) / full_scale;
