@@ -73,7 +73,8 @@ json without(json report, std::initializer_list<const char*> keys) {
 
 json BenchView::hologram_of(const HologramSources& sources) {
   const auto now = Clock::now();
-  if (sources != drawn_ && now - drawn_at_ > kDrawPeriod) {
+  const bool due = sources != drawn_ || !hologram();  // a file that was missing may be there now
+  if (due && now - drawn_at_ > kDrawPeriod) {
     drawn_ = sources;
     drawn_at_ = now;
     auto picture = draw_hologram(sources);
