@@ -409,6 +409,19 @@ std::string why_not_verify(const DaemonFacts& facts) {
   return {};
 }
 
+std::string why_not_ready(const json& status) {
+  const auto state = status.at("state").get<std::string>();
+  if (state == "job_running") return "another job is running: wait for its end";
+  if (state != "running") {
+    return "the daemon is in state " + state + ", not running: ovws status says why";
+  }
+  if (status.at("slm").at("pattern") != "sensor") {
+    return "the SLM does not show the sensor: ovws call slm.show pattern=sensor";
+  }
+  if (status.at("sensor").at("referenced").get<bool>()) return {};
+  return "there is no reference: take one with a good wavefront first, ovws reference 100";
+}
+
 void RiseLately::add(double t_s, std::int64_t count) {
   if (!samples_.empty() && count < samples_.back().count) samples_.clear();
   samples_.push_back({t_s, count});

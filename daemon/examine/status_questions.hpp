@@ -44,6 +44,9 @@ bool shows_holograms(const DaemonFacts& facts);
 /// Why slm.verify would disturb this bench: it delays holograms. Empty: it does not.
 std::string why_not_verify(const DaemonFacts& facts);
 
+/// Why the daemon of this `status` cannot measure wavefronts now, and what to do; empty: it can.
+std::string why_not_ready(const nlohmann::json& status);
+
 /// Increase of a counter of `status` in the last ten seconds. Use it from one thread at a time.
 class RiseLately {
  public:

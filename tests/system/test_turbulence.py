@@ -62,7 +62,7 @@ class Turbulence(BenchCase):
 
     def test_rejection_by_frequency(self):
         refused = self.study(5)
-        self.assertIn("reference.take", refused.communicate(timeout=PROGRAM_PATIENCE_S)[0])
+        self.assertIn("ovws reference 100", refused.communicate(timeout=PROGRAM_PATIENCE_S)[0])
         self.assertEqual(refused.returncode, 1)
         self.take_reference(20)
         self.twin.call("twin.set", {"turbulence": AIR})

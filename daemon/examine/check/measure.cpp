@@ -11,6 +11,7 @@
 #include "core/port/clock.hpp"
 #include "daemon/examine/check/frame_reader.hpp"
 #include "daemon/examine/check/measured.hpp"
+#include "daemon/examine/status_questions.hpp"
 #include "daemon/shared/borrow.hpp"
 
 namespace ovws::examine {
@@ -87,23 +88,12 @@ class Run {
   }
 
   void may_run() {
-    const json& status = measured_.status;
     if (measured_.config.value("modulator", "slm") == "fixed") {
       stop(
           "the check pokes modes with holograms, and a fixed array of lenslets shows none: "
           "ovws status, ovws watch and ovws doctor work");
     }
-    const auto state = status.at("state").get<std::string>();
-    if (state == "job_running") stop("another job is running: wait for its end");
-    if (state != "running") {
-      stop("the daemon is in state " + state + ", not running: ovws status says why");
-    }
-    if (status.at("slm").at("pattern") != "sensor") {
-      stop("the SLM does not show the sensor: ovws call slm.show pattern=sensor");
-    }
-    if (!status.at("sensor").at("referenced").get<bool>()) {
-      stop("there is no reference: take one first, ovws reference 100");
-    }
+    if (auto why = why_not_ready(measured_.status); !why.empty()) stop(std::move(why));
     if (borrowed_->before(Part::loop).at("closed") == false) return;
     if (!options_.open_loop) {
       stop(

@@ -7,6 +7,7 @@
 #include <optional>
 #include <thread>
 
+#include "daemon/examine/status_questions.hpp"
 #include "daemon/ovws/cli/commands.hpp"
 #include "daemon/ovws/cli/request.hpp"
 #include "daemon/ovws/cli/study_files.hpp"
@@ -216,18 +217,10 @@ Answer common_modes(const Common& common, const LoopSettings& settings) {
 tl::expected<void, CallFailure> check_bench(const Common& common) {
   const Answer status = call(common, "system.status", json::object());
   if (!status) return tl::make_unexpected(status.error());
-  if (const auto state = status->at("state").get<std::string>(); state != "running") {
-    return tl::make_unexpected(
-        failure("the daemon is in state " + state + ", not running: ovws status says why"));
+  if (auto why = examine::why_not_ready(*status); !why.empty()) {
+    return tl::make_unexpected(failure(std::move(why)));
   }
-  if (!status->at("sensor").at("referenced").get<bool>()) {
-    return tl::make_unexpected(
-        failure("there is no reference: take one with a good wavefront first, ovws call "
-                "reference.take"));
-  }
-  const Answer loop = call(common, "loop.get", json::object());
-  if (!loop) return tl::make_unexpected(loop.error());
-  if (!loop->at("closed").get<bool>()) return {};
+  if (status->at("loop") == "open") return {};
   return tl::make_unexpected(failure("the loop is closed: open it first, ovws call loop.open"));
 }
 
