@@ -4,12 +4,52 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <type_traits>
+#include <utility>
 
 #include "daemon/shared/client.hpp"
 
 namespace ovws::cli {
 
 using Answer = tl::expected<nlohmann::json, CallFailure>;
+
+/// A failed call after which nothing is left to do but to report it.
+struct CallFailed {
+  CallFailure why;
+};
+
+/// Throws a failure that this program found.
+[[noreturn]] inline void stop(std::string why) {
+  throw CallFailed{failure(std::move(why))};
+}
+[[noreturn]] inline void stop(const Error& error) {
+  throw CallFailed{failure(error)};
+}
+
+/// The value of an answer. Throws CallFailed if there is none.
+template <class T>
+T needed(tl::expected<T, CallFailure> answer) {
+  if (!answer) throw CallFailed{std::move(answer.error())};
+  if constexpr (!std::is_void_v<T>) return std::move(*answer);
+}
+template <class T>
+T needed(Result<T> done) {
+  if (!done) stop(done.error());
+  if constexpr (!std::is_void_v<T>) return std::move(*done);
+}
+
+/// What `work` returns, or the failure that it throws as CallFailed.
+template <class Work, class T = std::invoke_result_t<Work>>
+tl::expected<T, CallFailure> attempt(Work work) try {
+  if constexpr (!std::is_void_v<T>) {
+    return work();
+  } else {
+    work();
+    return {};
+  }
+} catch (CallFailed& failed) {
+  return tl::make_unexpected(std::move(failed.why));
+}
 
 /// The failure's message; never empty. Throws nothing, whatever the daemon sent.
 std::string message_of(const CallFailure& failure);

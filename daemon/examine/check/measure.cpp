@@ -18,8 +18,8 @@ namespace ovws::examine {
 namespace {
 
 using cli::Answer;
-using cli::failure;
 using cli::Part;
+using cli::stop;
 using nlohmann::json;
 
 constexpr double kQuickS = 10.0, kLoopS = 8.0, kQuickLoopS = 4.0;
@@ -33,15 +33,6 @@ constexpr double kExactSigmas = 3.0;
 constexpr int kMostWaits = 3;      // unread modes for whose templates it waits
 constexpr double kSlowSlmS = 1.0;  // watched after the last hologram, in case that the SLM is slow
 
-/// Ends the check.
-struct CheckFailed {
-  cli::CallFailure why;
-};
-
-[[noreturn]] void stop(std::string why) {
-  throw CheckFailed{failure(std::move(why))};
-}
-
 /// A measurement in progress.
 class Run {
  public:
@@ -51,16 +42,13 @@ class Run {
   }
 
   tl::expected<Measured, cli::CallFailure> operator()() {
-    tl::expected<void, cli::CallFailure> done;
-    try {
+    auto done = cli::attempt([this] {
       for (const auto step : {&Run::look, &Run::may_run, &Run::settle, &Run::table, &Run::record,
                               &Run::response, &Run::loop}) {
         (this->*step)();
         if (hooks_.interrupted()) stop("interrupted; the bench is as before");
       }
-    } catch (const CheckFailed& end) {
-      done = tl::make_unexpected(end.why);
-    }
+    });
     if (borrowed_) done = borrowed_->restore_after(std::move(done));
     if (!done) return tl::make_unexpected(done.error());
     return std::move(measured_);
@@ -81,10 +69,8 @@ class Run {
                            std::pair{"config.get", &measured_.config}};
     for (const auto& [method, part] : parts) *part = call(method);
     modes_j_ = measured_.sensor.at("modes_j").get<std::vector<int>>();
-    const auto before =
-        cli::parts_of(common_, {Part::lut, Part::aberration, Part::correction, Part::loop});
-    if (!before) throw CheckFailed{before.error()};
-    borrowed_.emplace(common_, *before);
+    borrowed_.emplace(common_, cli::needed(cli::parts_of(common_, {Part::lut, Part::aberration,
+                                                                   Part::correction, Part::loop})));
   }
 
   void may_run() {
@@ -119,16 +105,10 @@ class Run {
   double loop_s() const { return options_.quick ? kQuickLoopS : kLoopS; }
 
   json call(const char* method, const json& params = json::object()) {
-    auto answer = cli::call_patiently(common_, method, params);
-    if (!answer) throw CheckFailed{answer.error()};
-    return std::move(*answer);
+    return cli::needed(cli::call_patiently(common_, method, params));
   }
 
-  FrameReader reader() {
-    auto opened = FrameReader::open(common_, hooks_.interrupted);
-    if (!opened) throw CheckFailed{opened.error()};
-    return std::move(*opened);
-  }
+  FrameReader reader() { return cli::needed(FrameReader::open(common_, hooks_.interrupted)); }
 
   /// Shows the aberration as it was plus `waves` of mode j.
   json poke(int j, double waves) {

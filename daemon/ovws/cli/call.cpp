@@ -69,12 +69,11 @@ int call_method(const Common& common, const CallOptions& options) {
   }
   const auto params = params_of(is_known ? of_method.at("params") : any_params(), options.params);
   if (!params) return report_mistake(common, params.error());
-  const auto answer = options.wait ? call_and_wait(common, options.method, *params)
-                                   : call(common, options.method, *params);
-  if (!answer) return report_failure(common, answer.error());
+  const json answer = needed(options.wait ? call_and_wait(common, options.method, *params)
+                                          : call(common, options.method, *params));
   const bool is_for_people = !common.json && isatty(STDOUT_FILENO) != 0;
-  return print_answer(common, *answer,
-                      is_for_people ? answer_text(options.method, *answer) : readable(*answer));
+  return print_answer(common, answer,
+                      is_for_people ? answer_text(options.method, answer) : readable(answer));
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "daemon/ovws/parts/share.hpp"
-#include "daemon/shared/client.hpp"
+#include "daemon/shared/job.hpp"
 #include "proto/limits.hpp"
 
 namespace ovws::cli {
@@ -34,13 +34,20 @@ struct Command {
 };
 
 /// Adds a command, which calls `run` with its options after the parsing and writes the exit code to
-/// `status`. `common` and `status` must outlive the parsing.
+/// `status`. `run` may throw CallFailed, which is reported. `common` and `status` must outlive the
+/// parsing.
 template <class Options>
 Command<Options> add_command(CLI::App& app, const Common& common, int& status, const char* name,
                              const char* help, int (*run)(const Common&, const Options&)) {
   CLI::App& syntax = *app.add_subcommand(name, help);
   auto options = std::make_shared<Options>();
-  syntax.callback([&common, &status, options, run] { status = run(common, *options); });
+  syntax.callback([&common, &status, options, run] {
+    try {
+      status = run(common, *options);
+    } catch (const CallFailed& failed) {
+      status = report_failure(common, failed.why);
+    }
+  });
   return {syntax, *options};
 }
 

@@ -111,25 +111,25 @@ class Sweep {
   Sweep(GainSweep sweep, ExperimentBench& bench, std::filesystem::path folder)
       : sweep_(std::move(sweep)), bench_(bench), files_(std::move(folder)) {}
 
-  Answered<void> measure() {
-    if (auto made = make_sensors(); !made) return made;
+  /// Ends early, without an error, if it is interrupted. Throws CallFailed.
+  void measure() try {
+    make_sensors();
     const std::vector<int> charges(charges_.begin(), charges_.end());
     for (const int charge : charges) {
-      const auto taken = take_references(charge);
-      if (was_interrupted()) return {};
-      if (!taken) return taken;
+      take_references(charge);
+      if (was_interrupted()) return;
     }
     const std::size_t rows = sweep_.aberrations.size() * sweep_.gains_db.size();
     for (std::size_t row = 0; row < rows; ++row) {
       for (std::size_t k = 0; k < charges.size(); ++k) {
         const int charge = charges[row % 2 == 0 ? k : charges.size() - 1 - k];
-        const auto done = measure_row(row, charge);
-        if (was_interrupted()) return {};  // which may have ended a call
-        if (!done) return done;
+        measure_row(row, charge);
+        if (was_interrupted()) return;
         show_progress();
       }
     }
-    return {};
+  } catch (const CallFailed&) {
+    if (!was_interrupted()) throw;  // an interrupt may have ended the call
   }
   bool is_complete() const { return files_.cells().size() == sweep_.cells(); }
   const GainSweep& params() const { return sweep_; }
@@ -139,10 +139,10 @@ class Sweep {
   json summary() const;
 
  private:
-  Answered<void> make_sensors();
-  Answered<void> take_references(int charge);
-  Answered<void> measure_row(std::size_t row, int charge);
-  Answered<std::vector<Vec2>> starts(std::size_t aberration, int charge);
+  void make_sensors();
+  void take_references(int charge);
+  void measure_row(std::size_t row, int charge);
+  std::vector<Vec2> starts(std::size_t aberration, int charge);
   void keep_image(const GainSweep::Cell& at, int charge, const GrabbedImages& images,
                   double peak_dn);
   void show_progress() const;
@@ -162,77 +162,60 @@ class Sweep {
   CameraFrames frames_;
 };
 
-Answered<void> Sweep::make_sensors() {
+void Sweep::make_sensors() {
   for (const SweepArm& arm : sweep_.arms) {
-    auto made = SweepSensor::make(arm, bench_.config());
-    if (!made) return failed(made.error());
-    sensors_.push_back(std::move(*made));
+    sensors_.push_back(needed(SweepSensor::make(arm, bench_.config())));
     charges_.insert(arm.charge);
   }
   references_.resize(sensors_.size());
-  return {};
 }
 
-Answered<void> Sweep::take_references(int charge) {
-  if (auto set = bench_.set_gain(sweep_.reference_gain_db); !set) return set;
-  if (auto shown = bench_.show(charge, {}); !shown) return shown;
+void Sweep::take_references(int charge) {
+  bench_.set_gain(sweep_.reference_gain_db);
+  bench_.show(charge, {});
   const auto places = bench_.find_spots();
-  if (!places) return tl::make_unexpected(places.error());
   const std::int64_t now_ns = utc_ns();
-  const auto images = bench_.grab(sweep_.reference_frames);
-  if (!images) return tl::make_unexpected(images.error());
+  const GrabbedImages images = bench_.grab(sweep_.reference_frames);
   for (std::size_t k = 0; k < sensors_.size(); ++k) {
     if (sweep_.arms[k].charge != charge) continue;
-    auto taken = sensors_[k].take_reference(images->views, *places);
-    if (!taken) return failed(taken.error());
-    taken->arm = int(k);
-    taken->gain_db = images->gain_db;
-    taken->t_begun_ns = now_ns;
-    references_[k] = std::move(*taken);
+    ReferenceMeasured& taken = references_[k];
+    taken = needed(sensors_[k].take_reference(images.views, places));
+    taken.arm = int(k);
+    taken.gain_db = images.gain_db;
+    taken.t_begun_ns = now_ns;
   }
-  return {};
 }
 
 /// Where the spots of this aberration are. Shows it.
-Answered<std::vector<Vec2>> Sweep::starts(std::size_t aberration, int charge) {
-  if (auto shown = bench_.show(charge, sweep_.aberrations[aberration].modes); !shown) {
-    return tl::make_unexpected(shown.error());
-  }
+std::vector<Vec2> Sweep::starts(std::size_t aberration, int charge) {
+  bench_.show(charge, sweep_.aberrations[aberration].modes);
   const auto known = starts_px_.find({aberration, charge});
   if (known != starts_px_.end()) return known->second;
-  if (auto set = bench_.set_gain(sweep_.reference_gain_db); !set) {
-    return tl::make_unexpected(set.error());
-  }
-  auto found = bench_.find_spots();
-  if (found) starts_px_[{aberration, charge}] = *found;
-  return found;
+  bench_.set_gain(sweep_.reference_gain_db);
+  return starts_px_[{aberration, charge}] = bench_.find_spots();
 }
 
-Answered<void> Sweep::measure_row(std::size_t row, int charge) {
+void Sweep::measure_row(std::size_t row, int charge) {
   const std::size_t first = row * sweep_.arms.size();
   const GainSweep::Cell place = sweep_.cell(first);
   const auto places = starts(place.aberration, charge);
-  if (!places) return tl::make_unexpected(places.error());
-  if (auto set = bench_.set_gain(sweep_.gains_db[place.gain]); !set) return set;
+  bench_.set_gain(sweep_.gains_db[place.gain]);
   const std::int64_t now_ns = utc_ns();
-  const auto images = bench_.grab(sweep_.frames);
-  if (!images) return tl::make_unexpected(images.error());
+  const GrabbedImages images = bench_.grab(sweep_.frames);
   bool kept = false;
   for (std::size_t k = 0; k < sensors_.size(); ++k) {
     if (sweep_.arms[k].charge != charge) continue;
     CellMeasured cell;
     cell.cell = int(first + k);
     cell.at = sweep_.cell(first + k);
-    cell.gain_db = images->gain_db;
+    cell.gain_db = images.gain_db;
     cell.exposure_us = bench_.config().camera.settings.exposure_us;
     cell.frame_rate_hz = bench_.config().camera.settings.frame_rate_hz;
     cell.t_begun_ns = now_ns;
-    sensors_[k].measure(images->views, *places, sweep_.aberrations[place.aberration].modes, cell);
-    if (!std::exchange(kept, true)) keep_image(place, charge, *images, cell.levels.peak_dn);
-    const auto added = files_.add(report_of(cell));
-    if (!added) return failed(added.error());
+    sensors_[k].measure(images.views, places, sweep_.aberrations[place.aberration].modes, cell);
+    if (!std::exchange(kept, true)) keep_image(place, charge, images, cell.levels.peak_dn);
+    needed(files_.add(report_of(cell)));
   }
-  return {};
 }
 
 void Sweep::keep_image(const GainSweep::Cell& at, int charge, const GrabbedImages& images,
@@ -301,14 +284,13 @@ int run_experiment(const Common& common, const json& params, const std::filesyst
   catch_interrupts();
   const auto asked = decode<GainSweep>(params);
   if (!asked) return report_mistake(common, asked.error());
-  auto bench = ExperimentBench::open(common);
-  if (!bench) return report_failure(common, bench.error());
-  auto possible = within(*asked, bench->gains_db());
+  ExperimentBench bench(common);
+  auto possible = within(*asked, bench.gains_db());
   if (!possible) return report(common, possible.error());
-  Sweep sweep(std::move(*possible), *bench, folder);
-  const auto measured = bench->restore_after(sweep.measure());
+  Sweep sweep(std::move(*possible), bench, folder);
+  auto measured = bench.restore_after(attempt([&] { sweep.measure(); }));
   study::print_progress("");
-  if (!measured) return report_failure(common, measured.error());
+  needed(std::move(measured));
   if (!sweep.is_complete()) {
     return report(common, {Errc::refused, "",
                            fmt::format("the study was stopped; {} cells are in {}",

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <map>
 #include <string>
 #include <utility>
 
@@ -50,71 +49,51 @@ void add_spots(const StreamMessage& message, std::vector<Vec2>& sums, std::vecto
 
 }  // namespace
 
-tl::unexpected<CallFailure> failed(const Error& error) {
-  return tl::make_unexpected(failure(error));
+json ExperimentBench::call(const char* method, const json& params) const {
+  return needed(cli::call(common_, method, params));
 }
 
-Answered<json> ExperimentBench::call(const char* method, const json& params) const {
-  return cli::call(common_, method, params);
-}
-
-Answered<ExperimentBench> ExperimentBench::open(const Common& common) {
-  ExperimentBench bench(common);
-  std::map<std::string, json> now;
-  for (const char* method : {"config.get", "camera.get", "registration.get"}) {
-    auto answer = bench.call(method, json::object());
-    if (!answer) return tl::make_unexpected(answer.error());
-    now[method] = std::move(*answer);
-  }
-  auto config = parse_config(json_text(now["config.get"]));
+ExperimentBench::ExperimentBench(const Common& common) : common_(common) {
+  auto config = parse_config(json_text(call("config.get")));
   if (!config) {
-    return failed({Errc::invalid, "",
-                   "the daemon's reply to config.get is not a configuration, so it may have "
-                   "another version: " +
-                       text_of(config.error())});
+    stop({Errc::invalid, "",
+          "the daemon's reply to config.get is not a configuration, so it may have another "
+          "version: " +
+              text_of(config.error())});
   }
-  bench.config_ = std::move(*config);
-  const json& limits = now["camera.get"].at("limits");
-  if (!limits.is_object()) return failed({Errc::unavailable, "camera", "no camera is connected"});
+  config_ = std::move(*config);
+  const json limits = call("camera.get").at("limits");
+  if (!limits.is_object()) stop({Errc::unavailable, "camera", "no camera is connected"});
   if (!limits.at("gain_db").is_object()) {
-    return failed(
-        {Errc::refused, "gain_db", "the camera has no gain in dB, which the experiment changes"});
+    stop({Errc::refused, "gain_db", "the camera has no gain in dB, which the experiment changes"});
   }
-  bench.gains_db_ = {limits.at("gain_db").at("min").get<double>(),
-                     limits.at("gain_db").at("max").get<double>()};
-  const auto before = parts_of(common, {Part::camera, Part::sensor, Part::aberration});
-  if (!before) return tl::make_unexpected(before.error());
-  bench.before_ = std::make_unique<Borrow>(common, *before);
-  examine::use_registration(bench.config_, now["registration.get"]);
-  return bench;
+  gains_db_ = {limits.at("gain_db").at("min").get<double>(),
+               limits.at("gain_db").at("max").get<double>()};
+  examine::use_registration(config_, call("registration.get"));
+  before_.emplace(common, needed(parts_of(common, {Part::camera, Part::sensor, Part::aberration})));
 }
 
-Answered<void> ExperimentBench::show(int charge, const std::vector<Mode>& modes) {
+void ExperimentBench::show(int charge, const std::vector<Mode>& modes) {
   if (!shown_ || charge != charge_shown_) {
-    const auto set = call("sensor.set", {{"charge", charge},
-                                         {"alternate_charge", nullptr},
-                                         {"charges", json::array()},
-                                         {"tracker", "lg"},
-                                         {"operator", "slopes"},
-                                         {"mode_count", nullptr}});
-    if (!set) return tl::make_unexpected(set.error());
+    call("sensor.set", {{"charge", charge},
+                        {"alternate_charge", nullptr},
+                        {"charges", json::array()},
+                        {"tracker", "lg"},
+                        {"operator", "slopes"},
+                        {"mode_count", nullptr}});
     shown_ = true;
     charge_shown_ = charge;
   }
-  const auto shown = call("aberration.set", {{"modes", to_json(modes)}});
-  if (!shown) return tl::make_unexpected(shown.error());
-  hologram_id_ = shown->at("hologram_id").get<std::int64_t>();
-  return {};
+  const json shown = call("aberration.set", {{"modes", to_json(modes)}});
+  hologram_id_ = shown.at("hologram_id").get<std::int64_t>();
 }
 
-Answered<void> ExperimentBench::set_gain(double gain_db) {
-  const auto set = call("camera.set", {{"gain_db", gain_db}});
-  if (!set) return tl::make_unexpected(set.error());
-  gain_db_ = set->at("applied").at("gain_db").get<double>();
-  return {};
+void ExperimentBench::set_gain(double gain_db) {
+  const json set = call("camera.set", {{"gain_db", gain_db}});
+  gain_db_ = set.at("applied").at("gain_db").get<double>();
 }
 
-Answered<GrabbedImages> ExperimentBench::grab(int frames) {
+GrabbedImages ExperimentBench::grab(int frames) {
   const CameraSettings& camera = config_.camera.settings;
   const PixelFormat format = unpacked(camera.pixel_format);
   GrabbedImages all;
@@ -129,25 +108,24 @@ Answered<GrabbedImages> ExperimentBench::grab(int frames) {
   int left = frames;
   for (int tries = 0; left > 0; ++tries) {
     if (tries > most_tries) {
-      return failed({Errc::refused, "gain_db", "the camera's gain was changed meanwhile"});
+      stop({Errc::refused, "gain_db", "the camera's gain was changed meanwhile"});
     }
     std::vector<std::byte> pixels;
-    const auto reply = cli::call(patient, "camera.grab",
-                                 {{"frames", std::min(left, most)},
-                                  {"after_hologram", hologram_id_},
-                                  {"timeout_s", kGrabPatienceS}},
-                                 &pixels);
-    if (!reply) return tl::make_unexpected(reply.error());
-    const json& shape = reply->at("shape");
+    const json reply = needed(cli::call(patient, "camera.grab",
+                                        {{"frames", std::min(left, most)},
+                                         {"after_hologram", hologram_id_},
+                                         {"timeout_s", kGrabPatienceS}},
+                                        &pixels));
+    const json& shape = reply.at("shape");
     const auto count = shape.at(0).get<std::size_t>();
     const bool whole = shape.at(1) == camera.roi.height && shape.at(2) == camera.roi.width &&
                        pixels.size() == count * image_bytes;
-    if (!whole)
-      return failed(
-          {Errc::refused, "camera", "the camera's region or pixel format was changed meanwhile"});
+    if (!whole) {
+      stop({Errc::refused, "camera", "the camera's region or pixel format was changed meanwhile"});
+    }
     for (std::size_t k = 0; k < count && left > 0; ++k) {
       // A frame whose exposure began before the gain was set.
-      if (reply->at("frames")[k].at("gain_db") != gain_db_) continue;
+      if (reply.at("frames")[k].at("gain_db") != gain_db_) continue;
       const auto at = pixels.begin() + std::ptrdiff_t(k * image_bytes);
       all.pixels.insert(all.pixels.end(), at, at + std::ptrdiff_t(image_bytes));
       --left;
@@ -161,15 +139,14 @@ Answered<GrabbedImages> ExperimentBench::grab(int frames) {
   return all;
 }
 
-Answered<std::vector<Vec2>> ExperimentBench::find_spots() {
-  auto stream = open_stream(common_, "endpoint", {"spots"}, kFramesToFind);
-  if (!stream) return tl::make_unexpected(stream.error());
+std::vector<Vec2> ExperimentBench::find_spots() {
+  auto stream = needed(open_stream(common_, "endpoint", {"spots"}, kFramesToFind));
   std::vector<Vec2> places;
   std::vector<int> found;
   int seen = 0;
   const auto end = std::chrono::steady_clock::now() + kFindPatience;
   while (seen < kFramesToFind && std::chrono::steady_clock::now() < end) {
-    const auto message = stream->receive(500ms);
+    const auto message = stream.receive(500ms);
     if (!message) continue;
     const json header = json_of(message->json);
     if (header.at("hologram_id") != hologram_id_ || !header.at("settled").get<bool>()) continue;
@@ -177,7 +154,7 @@ Answered<std::vector<Vec2>> ExperimentBench::find_spots() {
     ++seen;
   }
   if (seen == 0) {
-    return failed({Errc::unavailable, "", "no settled frame came: see camera in ovws status"});
+    stop({Errc::unavailable, "", "no settled frame came: see camera in ovws status"});
   }
   for (std::size_t i = 0; i < places.size(); ++i) {
     places[i] = found[i] > 0 ? (1.0 / found[i]) * places[i] : Vec2{NAN, NAN};

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
+#include <optional>
 #include <vector>
 
 #include "config/config.hpp"
@@ -13,12 +13,6 @@
 
 namespace ovws::cli {
 
-template <class T>
-using Answered = tl::expected<T, CallFailure>;
-
-/// An error of this program as one of a call.
-tl::unexpected<CallFailure> failed(const Error& error);
-
 /// Images of the camera, of one format.
 struct GrabbedImages {
   std::vector<std::byte> pixels;
@@ -26,39 +20,40 @@ struct GrabbedImages {
   double gain_db = 0.0;            ///< as read back
 };
 
-/// Other clients may use the bench meanwhile: a grab fails if the hologram is replaced.
+/// Its functions throw CallFailed. Other clients may use the bench meanwhile: a grab fails if the
+/// hologram is replaced.
 class ExperimentBench {
  public:
   /// Reads the bench's state, which `restore_after` restores. Errors: the camera has no gain in dB;
   /// a DMD shows a sequence, which could not be restored.
-  static Answered<ExperimentBench> open(const Common& common);
+  explicit ExperimentBench(const Common& common);
 
   /// The configuration in use, with the registration.
   const Config& config() const { return config_; }
   const Range<double>& gains_db() const { return gains_db_; }
 
   /// Shows all subapertures with this charge, and the aberration `modes`.
-  Answered<void> show(int charge, const std::vector<Mode>& modes);
-  Answered<void> set_gain(double gain_db);
+  void show(int charge, const std::vector<Mode>& modes);
+  void set_gain(double gain_db);
   /// Takes images of what is shown, at the gain that was set. Errors: the gain was changed
   /// meanwhile.
-  Answered<GrabbedImages> grab(int frames);
+  GrabbedImages grab(int frames);
   /// Where the daemon finds the spots of what is shown, one per subaperture: the mean of some
   /// frames; NaN: it is found in none.
-  Answered<std::vector<Vec2>> find_spots();
+  std::vector<Vec2> find_spots();
   /// The destructor restores, too.
-  Answered<void> restore_after(Answered<void> done) {
+  tl::expected<void, CallFailure> restore_after(tl::expected<void, CallFailure> done) {
     return before_->restore_after(std::move(done));
   }
 
  private:
-  explicit ExperimentBench(const Common& common) : common_(common) {}
-  Answered<nlohmann::json> call(const char* method, const nlohmann::json& params) const;
+  nlohmann::json call(const char* method,
+                      const nlohmann::json& params = nlohmann::json::object()) const;
 
   Common common_;
   Config config_;
   Range<double> gains_db_{};
-  std::unique_ptr<Borrow> before_;
+  std::optional<Borrow> before_;
   double gain_db_ = 0.0;
   int charge_shown_ = 0;
   bool shown_ = false;

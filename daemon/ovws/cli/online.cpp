@@ -18,19 +18,15 @@ using nlohmann::json;
 
 constexpr std::size_t kStatusColumn = 11;
 
-tl::expected<BenchState, CallFailure> state_of_bench(const Common& common, const json& status) {
+BenchState state_of_bench(const Common& common, const json& status) {
   BenchState bench{status, {}, {}, {}, {}, {}, {}};
   for (const auto& [method, part] : {std::pair{"loop.get", &bench.loop},
                                      {"aberration.get", &bench.aberration},
                                      {"correction.get", &bench.correction},
                                      {"reference.get", &bench.reference}}) {
-    auto answer = call(common, method, json::object());
-    if (!answer) return tl::make_unexpected(answer.error());
-    *part = std::move(*answer);
+    *part = needed(call(common, method, json::object()));
   }
-  auto wavefront = newest_wavefront(common);
-  if (!wavefront) return tl::make_unexpected(wavefront.error());
-  bench.wavefront = std::move(*wavefront);
+  bench.wavefront = needed(newest_wavefront(common));
   if (bench.wavefront.is_object() && !bench.wavefront.at("valid").get<bool>()) {
     bench.not_valid = why_not_valid(bench.wavefront, status);
   }
@@ -38,26 +34,23 @@ tl::expected<BenchState, CallFailure> state_of_bench(const Common& common, const
 }
 
 int show_status(const Common& common, const NoOptions&) {
-  const auto status = call(common, "system.status", json::object());
-  if (!status) return report_failure(common, status.error());
-  if (common.json) return print_result(common, *status, "");
-  const auto bench = state_of_bench(common, *status);
-  if (!bench) return report_failure(common, bench.error());
-  print("{}\n", wrapped(status_text(*bench), terminal_columns(), kStatusColumn));
+  const json status = needed(call(common, "system.status", json::object()));
+  if (common.json) return print_result(common, status, "");
+  const std::string text = status_text(state_of_bench(common, status));
+  print("{}\n", wrapped(text, terminal_columns(), kStatusColumn));
   return kOk;
 }
 
 int describe(const Common& common, const std::string& name) {
-  const auto description = call(common, "system.describe", json::object());
-  if (!description) return report_failure(common, description.error());
-  if (!name.empty() && entry_of(*description, name).is_null()) {
-    const auto near = nearest_name(name, entry_names(*description));
+  const json description = needed(call(common, "system.describe", json::object()));
+  if (!name.empty() && entry_of(description, name).is_null()) {
+    const auto near = nearest_name(name, entry_names(description));
     return report_mistake(common, {Errc::invalid, name,
                                    "no method or stream has this name" +
                                        (near ? "; did you mean " + *near + "?" : "")});
   }
-  const std::string text = name.empty() ? list_text(*description) : entry_text(*description, name);
-  return print_result(common, name.empty() ? *description : entry_of(*description, name),
+  const std::string text = name.empty() ? list_text(description) : entry_text(description, name);
+  return print_result(common, name.empty() ? description : entry_of(description, name),
                       wrapped(text, terminal_columns(), kDescriptionColumn));
 }
 

@@ -24,7 +24,6 @@ namespace {
 using namespace std::chrono_literals;
 using nlohmann::json;
 using Clock = std::chrono::steady_clock;
-using MeasuredRejection = tl::expected<study::RejectionMeasured, CallFailure>;
 
 constexpr auto kStepsTimeout = 60s;
 constexpr int kFirstMode = 3;  // the study ignores piston and tilts
@@ -32,8 +31,8 @@ constexpr int kFirstMode = 3;  // the study ignores piston and tilts
 constexpr int kMinFrames = 16;
 constexpr int kReceiveQueue = 10000;
 
-CallFailure interrupted_failure() {
-  return failure("interrupted; the loop is open, and the correction is restored");
+void stop_if_interrupted() {
+  if (was_interrupted()) stop("interrupted; the loop is open, and the correction is restored");
 }
 
 struct RecordTask {
@@ -53,24 +52,22 @@ class Recorder {
     recorded_.recording.modes_waves.resize(task.modes_j.size());
   }
 
-  /// Takes the coefficients of the message, if it is valid and settled. After an error the
-  /// recording cannot be used.
-  tl::expected<void, CallFailure> take(const json& message) {
+  /// Takes the coefficients of the message, if it is valid and settled. Throws CallFailed; the
+  /// recording cannot be used then.
+  void take(const json& message) {
     if ((message.at("loop") == "closed") != task_.loop_closed) {
-      return tl::make_unexpected(failure(
-          task_.loop_closed
-              ? "the loop was opened during the recording: repeat the command"
-              : "another client closed the loop: repeat the command when no other client uses it"));
+      stop(task_.loop_closed
+               ? "the loop was opened during the recording: repeat the command"
+               : "another client closed the loop: repeat the command when no other client uses it");
     }
     count(message);
     if (!message.at("valid").get<bool>() || !message.at("settled").get<bool>()) {
       recorded_.why_not_valid = verdict_text(message);
-      return {};
+      return;
     }
     const auto modes_j = message.at("j").get<std::vector<int>>();
     if (modes_j != stream_modes_j_ && !find_indices(modes_j)) {
-      return tl::make_unexpected(failure(
-          "the sensor's modes changed during the recording: repeat it without changing them"));
+      stop("the sensor's modes changed during the recording: repeat it without changing them");
     }
     stamps_.push_back({message.at("t_device_ns").get<std::int64_t>(),
                        message.at("t_arrival_ns").get<std::int64_t>()});
@@ -82,7 +79,6 @@ class Recorder {
     for (const std::size_t k : others_) {
       uncorrected_squares_ += std::pow(message.at("coefficients").at(k).get<double>(), 2);
     }
-    return {};
   }
 
   int frames() const { return int(stamps_.size()); }
@@ -162,55 +158,43 @@ void print_time_left(const RecordTask& task, int frames, double seconds_left) {
 }
 
 /// Records valid, settled frames with device time stamps, or with arrival times if the camera has
-/// no clock. Prints progress on stderr unless --json is set. Errors: the daemon fails;
-/// interrupted_failure; too few frames; a change of the loop's state or of the sensor's modes.
-tl::expected<study::RecordedLoop, CallFailure> record(const Common& common,
-                                                      const RecordTask& task) {
-  auto stream = open_stream(common, "endpoint", {"wavefront"}, kReceiveQueue);
-  if (!stream) return tl::make_unexpected(stream.error());
+/// no clock. Prints progress on stderr unless --json is set. Throws CallFailed: the daemon fails;
+/// an interrupt; too few frames; a change of the loop's state or of the sensor's modes.
+study::RecordedLoop record(const Common& common, const RecordTask& task) {
+  auto stream = needed(open_stream(common, "endpoint", {"wavefront"}, kReceiveQueue));
   Recorder recorder(task);
   const auto seconds_left = [end = Clock::now() + std::chrono::duration<double>(task.seconds)] {
     return std::chrono::duration<double>(end - Clock::now()).count();
   };
   auto last_print = Clock::now() - 1h;
   while (seconds_left() > 0.0) {
-    if (was_interrupted()) return tl::make_unexpected(interrupted_failure());
+    stop_if_interrupted();
     if (!common.json && Clock::now() - last_print > 500ms) {
       print_time_left(task, recorder.frames(), seconds_left());
       last_print = Clock::now();
     }
-    const auto message = stream->receive(100ms);
-    if (!message) continue;
-    if (auto taken = recorder.take(json_of(message->json)); !taken) {
-      return tl::make_unexpected(taken.error());
-    }
+    if (const auto message = stream.receive(100ms)) recorder.take(json_of(message->json));
   }
   if (recorder.frames() >= kMinFrames) return recorder.end();
-  return tl::make_unexpected(
-      failure(fmt::format("only {} usable frames in {:g} s, {} are needed; {}", recorder.frames(),
-                          task.seconds, kMinFrames, recorder.why_none())));
+  stop(fmt::format("only {} usable frames in {:g} s, {} are needed; {}", recorder.frames(),
+                   task.seconds, kMinFrames, recorder.why_none()));
 }
 
 /// Modes j >= 3 that the sensor measures and the loop corrects, in measured order.
-Answer common_modes(const Common& common, const LoopSettings& settings) {
-  const Answer sensor = call(common, "sensor.get", json::object());
-  if (!sensor) return sensor;
-  const auto read = sensor->at("modes_j").get<std::vector<int>>();
+std::vector<int> common_modes(const Common& common, const LoopSettings& settings) {
+  const json sensor = needed(call(common, "sensor.get", json::object()));
+  const auto read = sensor.at("modes_j").get<std::vector<int>>();
   const auto holds = [](const std::vector<int>& modes, int j) {
     return std::find(modes.begin(), modes.end(), j) != modes.end();
   };
   for (const int j : settings.modes) {
-    if (!holds(read, j)) {
-      return tl::make_unexpected(failure(fmt::format("modes: j = {} is not measured", j)));
-    }
+    if (!holds(read, j)) stop(fmt::format("modes: j = {} is not measured", j));
   }
   std::vector<int> both;
   std::copy_if(read.begin(), read.end(), std::back_inserter(both), [&](int j) {
     return j >= kFirstMode && (settings.modes.empty() || holds(settings.modes, j));
   });
-  if (both.empty()) {
-    return tl::make_unexpected(failure(fmt::format("modes: none with j >= {}", kFirstMode)));
-  }
+  if (both.empty()) stop(fmt::format("modes: none with j >= {}", kFirstMode));
   return both;
 }
 
@@ -224,14 +208,13 @@ tl::expected<void, CallFailure> check_bench(const Common& common) {
   return tl::make_unexpected(failure("the loop is closed: open it first, ovws call loop.open"));
 }
 
-/// Result of loop.get for a closed loop; an error if the loop was opened meanwhile.
-Answer closed_loop(const Common& common) {
-  Answer loop = call(common, "loop.get", json::object());
-  if (!loop || loop->at("closed").get<bool>()) return loop;
-  const json& why = loop->at("opened_because");
-  return tl::make_unexpected(
-      failure(fmt::format("the loop was opened after {} steps: {}", loop->at("steps").get<int>(),
-                          why.is_string() ? why.get<std::string>() : "no reason given")));
+/// Result of loop.get for a closed loop; throws CallFailed if the loop was opened meanwhile.
+json closed_loop(const Common& common) {
+  json loop = needed(call(common, "loop.get", json::object()));
+  if (loop.at("closed").get<bool>()) return loop;
+  const json& why = loop.at("opened_because");
+  stop(fmt::format("the loop was opened after {} steps: {}", loop.at("steps").get<int>(),
+                   why.is_string() ? why.get<std::string>() : "no reason given"));
 }
 
 /// Steps until the loop has converged: 3 time constants, at least 5 and at most 200 steps.
@@ -239,126 +222,99 @@ int steps_to_converge(double gain) {
   return int(std::clamp(std::ceil(3.0 / gain), 5.0, 200.0));
 }
 
-Answer wait_for_steps(const Common& common, int needed) {
+json wait_for_steps(const Common& common, int wanted) {
   const auto end = Clock::now() + kStepsTimeout;
   while (true) {
-    Answer loop = closed_loop(common);
-    if (!loop || loop->at("steps").get<int>() >= needed) return loop;
-    if (was_interrupted()) return tl::make_unexpected(interrupted_failure());
+    json loop = closed_loop(common);
+    if (loop.at("steps").get<int>() >= wanted) return loop;
+    stop_if_interrupted();
     if (Clock::now() > end) {
-      return tl::make_unexpected(failure(
+      stop(
           fmt::format("the loop made only {} of its first {} steps in {} s: settled and valid "
                       "frames are rare, see ovws watch",
-                      loop->at("steps").get<int>(), needed, kStepsTimeout.count())));
+                      loop.at("steps").get<int>(), wanted, kStepsTimeout.count()));
     }
     std::this_thread::sleep_for(kPollInterval);
   }
 }
 
 /// Closes the loop with the settings of `law`, records what it leaves, and restores the loop.
-tl::expected<void, CallFailure> record_closed(const Common& common, const RecordTask& task,
-                                              study::MeasuredLaw& law) {
-  const auto restored = parts_of(common, {Part::correction, Part::loop});
-  if (!restored) return tl::make_unexpected(restored.error());
-  Borrow loop(common, *restored);
-  const auto record_steps = [&]() -> tl::expected<void, CallFailure> {
-    if (const Answer closed = call(common, "loop.close", to_json(law.settings)); !closed) {
-      return tl::make_unexpected(closed.error());
-    }
-    const Answer before = wait_for_steps(common, steps_to_converge(law.settings.gain));
-    if (!before) return tl::make_unexpected(before.error());
+void record_closed(const Common& common, const RecordTask& task, study::MeasuredLaw& law) {
+  Borrow loop(common, needed(parts_of(common, {Part::correction, Part::loop})));
+  const auto record_steps = [&] {
+    needed(call(common, "loop.close", to_json(law.settings)));
+    const json before = wait_for_steps(common, steps_to_converge(law.settings.gain));
     const auto begun = Clock::now();
-    auto recorded = record(common, task);
+    auto recorded = attempt([&] { return record(common, task); });
     const double took_s = std::chrono::duration<double>(Clock::now() - begun).count();
-    const Answer after = closed_loop(common);  // its error says more than the stream's
-    if (!after && !was_interrupted()) return tl::make_unexpected(after.error());
-    if (!recorded) return tl::make_unexpected(recorded.error());
-    law.closed = std::move(*recorded);
-    law.loop = *after;
-    const int steps = after->at("steps").get<int>() - before->at("steps").get<int>();
-    const double delay_ms = after->at("step").value("delay_ms", 0.0);
+    const Answer after = attempt([&] { return closed_loop(common); });
+    if (!was_interrupted()) needed(after);  // its error says more than the stream's
+    law.closed = needed(std::move(recorded));
+    law.loop = needed(after);
+    const int steps = law.loop.at("steps").get<int>() - before.at("steps").get<int>();
+    const double delay_ms = law.loop.at("step").value("delay_ms", 0.0);
     law.timing.step_s = took_s / double(steps);
     law.timing.delay_s = delay_ms > 0.0 ? 1e-3 * delay_ms : law.timing.step_s;  // too few steps
-    return {};
   };
-  return loop.restore_after(record_steps());
+  needed(loop.restore_after(attempt(record_steps)));
 }
 
 /// Closes the loop for a moment: loop.identify then knows the steps and their delay.
-tl::expected<void, CallFailure> measure_steps(const Common& common, LoopSettings settings) {
+void measure_steps(const Common& common, LoopSettings settings) {
   constexpr int kSteps = 64;
   settings.law = LawName::integrator;
-  const auto restored = parts_of(common, {Part::correction, Part::loop});
-  if (!restored) return tl::make_unexpected(restored.error());
-  Borrow loop(common, *restored);
-  const Answer closed = call(common, "loop.close", to_json(settings));
-  const Answer made = loop.restore_after(closed ? wait_for_steps(common, kSteps) : closed);
-  if (!made) return tl::make_unexpected(made.error());
-  return {};
+  Borrow loop(common, needed(parts_of(common, {Part::correction, Part::loop})));
+  needed(loop.restore_after(attempt([&] {
+    needed(call(common, "loop.close", to_json(settings)));
+    wait_for_steps(common, kSteps);
+  })));
 }
 
 /// Waits until loop.identify, which watches while this program records, has ended.
-tl::expected<std::shared_ptr<const LoopModel>, CallFailure> identified(const Common& common,
-                                                                       const json& job) {
+std::shared_ptr<const LoopModel> identified(const Common& common, const json& job) {
   const Answer done = end_of_job(common, job, {was_interrupted, {}});
-  if (was_interrupted()) return tl::make_unexpected(interrupted_failure());
-  if (!done) return tl::make_unexpected(failure("loop.identify: " + message_of(done.error())));
-  auto model = decode<LoopModel>(done->at("model"));
-  if (!model) return tl::make_unexpected(failure(text_of(model.error())));
-  return std::make_shared<const LoopModel>(std::move(*model));
+  stop_if_interrupted();
+  if (!done) stop("loop.identify: " + message_of(done.error()));
+  return std::make_shared<const LoopModel>(needed(decode<LoopModel>(done->at("model"))));
 }
 
 /// Settings of the loops to measure: those of `params`, with each law if `params` names none.
-tl::expected<std::vector<LoopSettings>, CallFailure> loops_of(const json& params) {
-  auto settings = decode<LoopSettings>(params);
-  if (!settings) return tl::make_unexpected(failure(text_of(settings.error())));
-  if (params.contains("law")) return std::vector{*settings};
+std::vector<LoopSettings> loops_of(const json& params) {
+  const LoopSettings settings = needed(decode<LoopSettings>(params));
+  if (params.contains("law")) return {settings};
   std::vector<LoopSettings> all;
   for (const LawName law : {LawName::integrator, LawName::optimised, LawName::predictor}) {
-    all.push_back(*settings);
+    all.push_back(settings);
     all.back().law = law;
   }
   return all;
 }
 
-MeasuredRejection measure(const Common& common, const json& params, double seconds) {
+study::RejectionMeasured measure(const Common& common, const json& params, double seconds) {
   const auto loops = loops_of(params);
-  if (!loops) return tl::make_unexpected(loops.error());
-  if (const auto ready = check_bench(common); !ready) return tl::make_unexpected(ready.error());
-  const Answer modes = common_modes(common, loops->front());
-  if (!modes) return tl::make_unexpected(modes.error());
-  const bool needs_model = std::ranges::any_of(
-      *loops, [](const LoopSettings& one) { return one.law != LawName::integrator; });
-  Answer job = json();
-  if (needs_model) {
-    if (const auto known = measure_steps(common, loops->front()); !known) {
-      return tl::make_unexpected(known.error());
-    }
-    const double watched_s = std::clamp(seconds, limits::kIdentifyS.min, limits::kIdentifyS.max);
-    job = call(common, "loop.identify", {{"seconds", watched_s}});
-  }
-  if (!job) return tl::make_unexpected(job.error());
+  needed(check_bench(common));
   study::RejectionMeasured measured;
-  measured.modes_j = modes->get<std::vector<int>>();
+  measured.modes_j = common_modes(common, loops.front());
   measured.segment_s = segment_s(seconds);
-  auto left = double(loops->size());
-  auto open = record(common, {false, seconds, left * seconds, measured.modes_j});
-  if (!open) {
-    if (needs_model) (void)end_of_job(common, job->at("job"), {[] { return true; }, {}});
-    return tl::make_unexpected(open.error());
-  }
-  measured.open = std::move(*open);
+  const bool needs_model = std::ranges::any_of(
+      loops, [](const LoopSettings& one) { return one.law != LawName::integrator; });
+  json job;
   if (needs_model) {
-    auto model = identified(common, job->at("job"));
-    if (!model) return tl::make_unexpected(model.error());
-    measured.model = std::move(*model);
+    measure_steps(common, loops.front());
+    const double watched_s = std::clamp(seconds, limits::kIdentifyS.min, limits::kIdentifyS.max);
+    job = needed(call(common, "loop.identify", {{"seconds", watched_s}})).at("job");
   }
-  for (const LoopSettings& settings : *loops) {
+  auto left = double(loops.size());
+  auto open = attempt([&] {
+    return record(common, {false, seconds, left * seconds, measured.modes_j});
+  });
+  if (!open && needs_model) (void)end_of_job(common, job, {[] { return true; }, {}});
+  measured.open = needed(std::move(open));
+  if (needs_model) measured.model = identified(common, job);
+  for (const LoopSettings& settings : loops) {
     left -= 1.0;
     measured.laws.push_back({settings, {}, {}, {}});
-    const auto done = record_closed(common, {true, seconds, left * seconds, measured.modes_j},
-                                    measured.laws.back());
-    if (!done) return tl::make_unexpected(done.error());
+    record_closed(common, {true, seconds, left * seconds, measured.modes_j}, measured.laws.back());
   }
   return measured;
 }
@@ -368,16 +324,16 @@ MeasuredRejection measure(const Common& common, const json& params, double secon
 int run_rejection(const Common& common, const json& params, double seconds,
                   const std::filesystem::path& folder) {
   catch_interrupts({SIGINT, SIGTERM});
-  const MeasuredRejection measured = measure(common, params, seconds);
+  auto recorded = attempt([&] { return measure(common, params, seconds); });
   if (!common.json) study::print_progress("");
-  if (!measured) return report_failure(common, measured.error());
-  const study::RejectionFound found = study::find_rejection(*measured);
+  const study::RejectionMeasured measured = needed(std::move(recorded));
+  const study::RejectionFound found = study::find_rejection(measured);
   for (const study::FoundLaw& law : found.laws) {
     if (!law.rejection.empty()) continue;
     return report(common, {Errc::refused, "",
                            "frames are too rare for a spectrum: record for longer (--seconds)"});
   }
-  json summary = study::rejection_summary(*measured, found);
+  json summary = study::rejection_summary(measured, found);
   summary["version"] = OVWS_VERSION;
   summary["seconds"] = seconds;
   auto written = remove_findings("rejection", folder);

@@ -212,17 +212,14 @@ int write_images(const Common& common, const Messages& messages, const std::stri
 }
 
 int save_snapshot(const Common& common, const std::string& prefix) {
-  auto numbers = open_stream(common, "endpoint", {"spots"}, 1000);
-  if (!numbers) return report_failure(common, numbers.error());
-  auto pictures = open_stream(common, "image_endpoint", {"image", "phase"}, 10);
-  if (!pictures) return report_failure(common, pictures.error());
-  const auto messages = collect(*numbers, *pictures, common.timeout_s);
+  auto numbers = needed(open_stream(common, "endpoint", {"spots"}, 1000));
+  auto pictures = needed(open_stream(common, "image_endpoint", {"image", "phase"}, 10));
+  const auto messages = collect(numbers, pictures, common.timeout_s);
   if (!messages) {
     return report(common, {Errc::unavailable, "", "no image arrived in time: see ovws status"});
   }
-  const auto status = call(common, "system.status", json::object());
-  if (!status) return report_failure(common, status.error());
-  return write_images(common, *messages, warning_of(messages->at("spots"), *status), prefix);
+  const json status = needed(call(common, "system.status", json::object()));
+  return write_images(common, *messages, warning_of(messages->at("spots"), status), prefix);
 }
 
 }  // namespace

@@ -22,9 +22,8 @@ using Words = std::vector<std::string>;
 
 /// Calls a method, waits for its job, and prints the result. Returns an exit code.
 int act(const Common& common, const std::string& method, const json& params) {
-  const auto answer = call_and_wait(common, method, params);
-  if (!answer) return report_failure(common, answer.error());
-  return print_answer(common, *answer, answer_text(method, *answer));
+  const json answer = needed(call_and_wait(common, method, params));
+  return print_answer(common, answer, answer_text(method, answer));
 }
 
 /// As above, with params from words.
@@ -55,11 +54,10 @@ int act_on_camera(const Common& common, const CameraWords& words, const std::str
     if (!value) return report_mistake_in(common, words.field, value.error());
     params[words.key] = words.per_unit * *value;
   }
-  const auto answer = call(common, text.empty() ? "camera.get" : "camera.set", params);
-  if (!answer) return report_failure(common, answer.error());
-  const json& settings = answer->at(text.empty() ? "settings" : "applied");
-  return print_answer(common, *answer,
-                      words.what + (" " + words.show(settings, answer->at("limits"))));
+  const json answer = needed(call(common, text.empty() ? "camera.get" : "camera.set", params));
+  const json& settings = answer.at(text.empty() ? "settings" : "applied");
+  return print_answer(common, answer,
+                      words.what + (" " + words.show(settings, answer.at("limits"))));
 }
 
 /// Warns on stderr that the further question of a verb that has done its work was not answered.
@@ -69,8 +67,7 @@ void warn_about(const char* what, const CallFailure& failure) {
 }
 
 /// Shows the recording until it ends or Ctrl-C ends it. Returns the last result of record.get.
-tl::expected<json, CallFailure> end_of_recording(const Common& common,
-                                                 std::optional<double> duration_s) {
+Answer end_of_recording(const Common& common, std::optional<double> duration_s) {
   catch_interrupts();
   while (!was_interrupted()) {
     auto report = call_patiently(common, "record.get", json::object());
@@ -108,10 +105,8 @@ int gain_verb(const Common& common, const std::string& gain) {
 }
 
 int show_rate(const Common& common) {
-  const auto camera = call(common, "camera.get", json::object());
-  if (!camera) return report_failure(common, camera.error());
-  json answer = *camera;
-  std::string text = "frame rate " + rate_text(camera->at("settings"), camera->at("limits"));
+  json answer = needed(call(common, "camera.get", json::object()));
+  std::string text = "frame rate " + rate_text(answer.at("settings"), answer.at("limits"));
   const auto status = call(common, "system.status", json::object());
   answer["rates"] = status ? status->at("rates") : json();
   if (status) text += "; measured: " + measured_rate_text(*status);
@@ -142,10 +137,8 @@ int aberrate_verb(const Common& common, const Words& words) {
 
 /// Removes the introduced aberration, and says what correction stays.
 int clear_verb(const Common& common, const NoOptions&) {
-  const auto cleared = call_and_wait(common, "aberration.clear", json::object());
-  if (!cleared) return report_failure(common, cleared.error());
-  json answer = *cleared;
-  std::string text = answer_text("aberration.clear", *cleared);
+  json answer = needed(call_and_wait(common, "aberration.clear", json::object()));
+  std::string text = answer_text("aberration.clear", answer);
   const auto correction = call(common, "correction.get", json::object());
   const auto loop = correction ? call(common, "loop.get", json::object()) : correction;
   answer["correction"] = correction ? *correction : json();
@@ -223,14 +216,12 @@ int record_verb(const Common& common, const std::vector<std::string>& words) {
   if (plain.size() > 2) {
     return report_mistake(common, {Errc::invalid, plain[2], "give the name and the duration only"});
   }
-  if (auto begun = call(common, "record.start", *params); !begun) {
-    return report_failure(common, begun.error());
-  }
-  const auto ended = end_of_recording(common, duration_s);
+  needed(call(common, "record.start", *params));
+  auto record = end_of_recording(common, duration_s);
   study::print_progress("");
-  if (!ended) return report_failure(common, ended.error());
-  print_answer(common, *ended, answer_text("record.get", *ended));
-  return has_ended_well(*ended) ? kOk : kError;
+  const json ended = needed(std::move(record));
+  print_answer(common, ended, answer_text("record.get", ended));
+  return has_ended_well(ended) ? kOk : kError;
 }
 
 }  // namespace

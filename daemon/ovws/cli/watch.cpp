@@ -181,18 +181,16 @@ int watch(const Common& common, const WatchOptions& options) {
   std::vector<std::string> topics{options.topic};
   if (options.topic == "wavefront")
     topics.emplace_back("status");  // explains invalid frames (reference and SLM pattern)
-  auto stream = open_stream(common, is_image ? "image_endpoint" : "endpoint", topics, 100);
-  if (!stream) return report_failure(common, stream.error());
-  const auto status = call(common, "system.status", json::object());
-  if (!status) return report_failure(common, status.error());
-  if (options.topic == "refined" && status->at("refine").at("state") == "off") {
+  auto stream = needed(open_stream(common, is_image ? "image_endpoint" : "endpoint", topics, 100));
+  const json status = needed(call(common, "system.status", json::object()));
+  if (options.topic == "refined" && status.at("refine").at("state") == "off") {
     return report(common, {Errc::refused, "refine.enabled",
                            "refinement is off, so there are no messages; switch it on with your "
                            "camera's electrons per DN: ovws call refine.set enabled=true "
                            "electrons_per_dn=39.2"});
   }
   catch_interrupts({SIGINT, SIGTERM});
-  return Watch(common, options, *status).run(*stream);
+  return Watch(common, options, status).run(stream);
 }
 
 }  // namespace

@@ -166,9 +166,7 @@ bool can_show_screen() {
 
 int show_screen(Common common) {
   // Report a missing daemon at once, like every other command.
-  if (const auto there = call(common, "config.get", nlohmann::json::object()); !there) {
-    return report_failure(common, there.error());
-  }
+  needed(call(common, "config.get", nlohmann::json::object()));
   catch_interrupts({SIGINT, SIGTERM, SIGHUP, SIGQUIT});
   auto terminal = screen::Terminal::open();
   if (!terminal) return report(common, terminal.error());

@@ -125,8 +125,7 @@ TEST(Borrow, AnErrorIsSaidWithWhatIsNotRestored) {
   daemon.results = {{"correction.get", modes(0.2)}};
   daemon.refused = "correction.set";
   Borrow borrowed(daemon.common, {{Part::correction, {{"modes", json::array()}}}});
-  const auto done = borrowed.restore_after(
-      tl::expected<void, CallFailure>(tl::make_unexpected(failure("the camera is gone"))));
+  const auto done = borrowed.restore_after(attempt([] { stop("the camera is gone"); }));
   ASSERT_FALSE(done);
   const std::string message = message_of(done.error());
   EXPECT_NE(message.find("the camera is gone; not everything could be restored"), std::string::npos)
