@@ -1,4 +1,6 @@
 /// ovws setup: the commissioning as a conversation on a terminal.
+#include <poll.h>
+#include <termios.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -7,12 +9,12 @@
 #include <cstring>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <thread>
 
 #include "daemon/examine/commission/commissioning.hpp"
 #include "daemon/ovws/cli/command_line.hpp"
 #include "daemon/ovws/cli/commands.hpp"
-#include "daemon/ovws/cli/keyboard.hpp"
 #include "daemon/ovws/cli/request.hpp"
 #include "daemon/ovws/screen/picture_text.hpp"
 #include "daemon/ovws/study/parallel.hpp"
@@ -90,6 +92,37 @@ Common patient(Common common, const SetupOptions& options) {
   if (!options.list) common.timeout_s = std::max(common.timeout_s, kPatience_s);
   return common;
 }
+
+/// Reads single keys of the terminal at standard input, without Enter, that are pressed from its
+/// construction on. The destructor restores the terminal.
+class Keyboard {
+ public:
+  Keyboard() {
+    tcgetattr(STDIN_FILENO, &before_);
+    termios single = before_;
+    single.c_lflag &= tcflag_t(~(ICANON | ECHO));
+    tcsetattr(STDIN_FILENO, TCSAFLUSH, &single);  // discards earlier keys
+  }
+  ~Keyboard() { tcsetattr(STDIN_FILENO, TCSANOW, &before_); }
+  Keyboard(const Keyboard&) = delete;
+  Keyboard& operator=(const Keyboard&) = delete;
+
+  /// The next key, '\n' for Enter; none at the end of the input or after a signal.
+  std::optional<char> next() {
+    constexpr int kPollMs = 100;  // a signal may be handled in another thread
+    while (!was_interrupted()) {
+      pollfd input{STDIN_FILENO, POLLIN, 0};
+      if (poll(&input, 1, kPollMs) <= 0) continue;
+      char key = 0;
+      if (read(STDIN_FILENO, &key, 1) != 1) return std::nullopt;
+      return key == '\r' ? '\n' : key;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  termios before_{};
+};
 
 class Conversation {
  public:
