@@ -189,15 +189,14 @@ Result<fs::path> write_replay_part(const ReplayOptions& options, Selected& selec
   head.items = selected.frames;
   head.share = text_of(selected.range);
   const std::string name = options.shard ? part_name(*options.shard) : part_name(selected.range);
-  auto part = PartWriter::make(options.folder, name, head);
-  if (!part) return fail(part.error());
-  for (std::size_t row = selected.range.begin; row < selected.range.end; ++row) {
-    const auto played = selected.player->step();
-    if (!played) return fail(played.error());
-    part->add(row, json_text(frame_line(**played, row, options.refine)));
-  }
-  if (auto done = part->finish(); !done) return fail(done.error());
-  return part->path();
+  return write_part(options.folder, name, head, [&](const AddItem& add) -> Result<void> {
+    for (std::size_t row = selected.range.begin; row < selected.range.end; ++row) {
+      const auto played = selected.player->step();
+      if (!played) return fail(played.error());
+      add(row, json_text(frame_line(**played, row, options.refine)));
+    }
+    return {};
+  });
 }
 
 int replay_recording(const Common& common, const ReplayOptions& options) {

@@ -39,13 +39,13 @@ Result<std::filesystem::path> write_study_part(const StudyOptions& options, cons
   head.options = {{"quick", options.quick}, {"seed", options.seed}};
   head.items = work.items;
   head.share = text_of(shard);
-  auto part = PartWriter::make(options.folder, part_name(shard), head);
-  if (!part) return fail(part.error());
-  const auto results = study::measure_items(work, options.name, items, threads_of(options));
-  study::print_progress("");
-  for (std::size_t k = 0; k < items.size(); ++k) part->add(items[k], results[k]);
-  if (auto done = part->finish(); !done) return fail(done.error());
-  return part->path();
+  const auto measure_items = [&](const AddItem& add) -> Result<void> {
+    const auto results = study::measure_items(work, options.name, items, threads_of(options));
+    study::print_progress("");
+    for (std::size_t k = 0; k < items.size(); ++k) add(items[k], results[k]);
+    return {};
+  };
+  return write_part(options.folder, part_name(shard), head, measure_items);
 }
 
 /// Runs a whole study, and returns the text of each item's result.

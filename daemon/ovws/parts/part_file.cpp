@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 
 #include "daemon/ovws/parts/provenance.hpp"
@@ -121,44 +122,32 @@ Result<void> make_folder(const fs::path& folder) {
               folder.string() + " is not writable: " + error.message());
 }
 
-PartWriter::PartWriter(fs::path path, fs::path temporary, std::FILE* file)
-    : path_(std::move(path)), temporary_(std::move(temporary)), file_(file) {}
-
-PartWriter::~PartWriter() {
-  if (!file_) return;
-  std::error_code ignored;
-  fs::remove(temporary_, ignored);
-}
-
-Result<PartWriter> PartWriter::make(const fs::path& folder, const std::string& name,
-                                    const PartHead& head) {
+Result<fs::path> write_part(const fs::path& folder, const std::string& name, const PartHead& head,
+                            const std::function<Result<void>(const AddItem&)>& fill) {
   if (auto made = make_folder(folder); !made) return fail(made.error());
-  fs::path temporary = folder / fmt::format(".{}.{}.{}.tmp", name, host_name(), ::getpid());
+  const fs::path path = folder / (name + ".jsonl");
+  const fs::path temporary = folder / fmt::format(".{}.{}.{}.tmp", name, host_name(), ::getpid());
   std::FILE* const file = std::fopen(temporary.c_str(), "we");
   if (file == nullptr) return cannot_write(temporary, std::strerror(errno));
-  PartWriter writer(folder / (name + ".jsonl"), std::move(temporary), file);
-  const std::string line = json_text(head) + "\n";
-  std::fwrite(line.data(), 1, line.size(), file);
-  return writer;
-}
-
-void PartWriter::add(std::uint64_t item, const std::string& result) {
-  const std::string line = fmt::format("{{\"item\":{},\"result\":{}}}\n", item, result);
-  std::fwrite(line.data(), 1, line.size(), file_.get());  // finish() reports an error
-}
-
-Result<void> PartWriter::finish() {
-  const fs::path host = fs::path(path_).replace_extension(".host.json");
-  auto written = write_provenance(host_facts(), host);
+  const auto write_line = [file](const std::string& line) {
+    std::fwrite(line.data(), 1, line.size(), file);  // ferror reports a failure
+  };
+  write_line(json_text(head) + "\n");
+  auto written = fill([&](std::uint64_t item, const std::string& result) {
+    write_line(fmt::format("{{\"item\":{},\"result\":{}}}\n", item, result));
+  });
+  if (written) written = write_provenance(host_facts(), folder / (name + ".host.json"));
   errno = 0;
-  const bool whole = std::fflush(file_.get()) == 0 && std::ferror(file_.get()) == 0 &&
-                     ::fsync(::fileno(file_.get())) == 0;
-  if (written && !whole) written = cannot_write(path_, std::strerror(errno));
+  const bool whole =
+      std::fflush(file) == 0 && std::ferror(file) == 0 && ::fsync(::fileno(file)) == 0;
+  if (written && !whole) written = cannot_write(path, std::strerror(errno));
+  (void)std::fclose(file);
   std::error_code failed;
-  if (written) fs::rename(temporary_, path_, failed);
-  if (failed) written = cannot_write(path_, failed.message());
-  if (written) file_.reset();
-  return written;
+  if (written) fs::rename(temporary, path, failed);
+  if (failed) written = cannot_write(path, failed.message());
+  if (written) return path;
+  fs::remove(temporary, failed);
+  return fail(written.error());
 }
 
 Result<PartReader> PartReader::open(const std::vector<std::string>& paths) {

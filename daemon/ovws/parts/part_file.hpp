@@ -2,9 +2,9 @@
 #pragma once
 
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -37,33 +37,16 @@ struct PartItem {
 /// Errc::unavailable, field "output".
 Result<void> make_folder(const std::filesystem::path& folder);
 
-/// Writes a temporary file, which `finish` renames: a part is complete, or is not there. Each
-/// process has a temporary file of its own.
-class PartWriter {
- public:
-  /// Errc::unavailable, field "output": the folder cannot be written.
-  static Result<PartWriter> make(const std::filesystem::path& folder, const std::string& name,
-                                 const PartHead& head);
-  PartWriter(PartWriter&&) = default;
-  ~PartWriter();
+/// Adds an item to a part, with the JSON text of its result. Call it in the order of the items.
+using AddItem = std::function<void(std::uint64_t item, const std::string& result)>;
 
-  /// Adds an item, with the JSON text of its result. Call it in the order of the items.
-  void add(std::uint64_t item, const std::string& result);
-  /// Completes the part: writes NAME.host.json with the facts of this run (host_facts), then
-  /// NAME.jsonl. Errc::unavailable, field "output": the disk does not take it.
-  Result<void> finish();
-
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  PartWriter(std::filesystem::path path, std::filesystem::path temporary, std::FILE* file);
-
-  struct Close {
-    void operator()(std::FILE* file) const { (void)std::fclose(file); }
-  };
-  std::filesystem::path path_, temporary_;
-  std::unique_ptr<std::FILE, Close> file_;
-};
+/// Writes the part NAME.jsonl, whose items `fill` adds, and before it NAME.host.json with the facts
+/// of this run (host_facts). Returns the part's path. A part is complete, or is not there: it has a
+/// temporary name, of this process, until then. Errors: those of `fill`; Errc::unavailable, field
+/// "output": the folder cannot be written, or the disk does not take the part.
+Result<std::filesystem::path> write_part(const std::filesystem::path& folder,
+                                         const std::string& name, const PartHead& head,
+                                         const std::function<Result<void>(const AddItem&)>& fill);
 
 /// Parts that belong together. Keeps one line of each in memory.
 class PartReader {

@@ -33,11 +33,11 @@ class Part : public testing::Test {
   }
   std::string write(const std::string& name, const PartHead& head,
                     const std::vector<std::uint64_t>& items) {
-    auto writer = PartWriter::make(folder_, name, head);
-    EXPECT_TRUE(writer);
-    for (const std::uint64_t item : items) writer->add(item, "[" + std::to_string(item) + ",0.1]");
-    EXPECT_TRUE(writer->finish());
-    return writer->path();
+    const auto fill = [&](const AddItem& add) -> Result<void> {
+      for (const std::uint64_t item : items) add(item, "[" + std::to_string(item) + ",0.1]");
+      return {};
+    };
+    return write_part(folder_, name, head, fill).value();
   }
   /// All results joined, or the error's reason.
   static std::string merged(const std::vector<std::string>& paths) {
@@ -118,18 +118,19 @@ TEST_F(Part, a_damaged_part_is_named) {
 }
 
 TEST_F(Part, an_unfinished_part_leaves_nothing_and_a_finished_one_its_provenance) {
-  {
-    auto writer = PartWriter::make(folder_, "part", head("1/1"));
-    ASSERT_TRUE(writer);
+  const auto stop = [&](const AddItem& add) -> Result<void> {
+    add(0, "[]");
     EXPECT_FALSE(fs::exists(folder_ / "part.jsonl"));
-  }
+    return fail(Errc::refused, "", "no more");
+  };
+  EXPECT_FALSE(write_part(folder_, "part", head("1/1"), stop));
   EXPECT_TRUE(fs::is_empty(folder_));
   const json facts = facts_of_part(write("part", head("1/1"), {0, 1, 2, 3, 4, 5}));
   EXPECT_EQ(facts.at("host"), host_name());
   EXPECT_EQ(facts.at("part"), "part.jsonl");
   EXPECT_GE(facts.at("took_s").get<double>(), 0.0);
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 2);
-  EXPECT_FALSE(PartWriter::make("/proc/nowhere", "part", head("1/1")));
+  EXPECT_FALSE(write_part("/proc/nowhere", "part", head("1/1"), stop));
 }
 
 }  // namespace
