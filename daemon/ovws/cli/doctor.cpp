@@ -114,12 +114,12 @@ void add_doctor(CLI::App& app, const Common& common, int& status) {
       "  sudo -u ovws DISPLAY=:0 XAUTHORITY=/var/lib/ovws/xauthority ovws doctor\n\n"
       "Each finding is FAULT (does not work, or measures wrongly), warning (works or may work, "
       "but\n"
-      "worse than it could), ok, or not here (cannot be checked, with the reason). \"fix:\" is "
-      "followed\n"
-      "by a shell command or a line for the configuration file.\n"
+      "worse than it could), note (worth knowing), ok, or not here (cannot be checked, with the\n"
+      "reason). \"fix:\" is followed by a shell command or a line for the configuration file.\n"
       "--json prints one document: {\"schema\", \"version\", \"counts\": {\"fault\", …}, "
       "\"findings\":\n"
-      "[{\"name\", \"verdict\": \"fault\" | \"warning\" | \"ok\" | \"not_here\", \"meaning\", "
+      "[{\"name\", \"verdict\": \"fault\" | \"warning\" | \"note\" | \"ok\" | \"not_here\", "
+      "\"meaning\",\n"
       "\"fix\"}]}.\n\n"
       "Exit codes: 0 no fault; 1 at least one fault; 2 the command line is wrong.");
   command.add_option(
