@@ -211,8 +211,8 @@ void Conversation::show_picture(const StepReport& step) {
     std::filesystem::create_directories(options_.folder, ignored);
     const auto path = std::filesystem::path(options_.folder) /
                       fmt::format("{:02}-{}.png", number_of(step.name), step.name);
-    const auto png = commissioning_.picture_png(step.name);
-    const auto written = png ? replace_file(path.string(), *png) : Result<void>();
+    const auto written = commissioning_.picture_png(step.name).and_then(
+        [&](const auto& png) { return replace_file(path.string(), png); });
     if (!written) fmt::print(stderr, "ovws: {}\n", text_of(written.error()));
     if (!is_quiet_ && written) print("  picture: {}\n", path.string());
   }
