@@ -87,6 +87,13 @@ std::string why_not_run(const StepReport& step) {
 /// How a step's turn ended.
 enum class Turn { next, quit, stuck };
 
+/// What comes next in a step's turn.
+struct Move {
+  std::string action{};  ///< of Commissioning; empty: the turn has ended as `end`
+  std::string offer{};
+  Turn end = Turn::next;
+};
+
 /// A daemon that measures may answer late. A list must not wait long for one that is absent.
 Common patient(Common common, const SetupOptions& options) {
   if (!options.list) common.timeout_s = std::max(common.timeout_s, kPatience_s);
@@ -142,10 +149,9 @@ class Conversation {
   void wait();
   Turn turn(const std::string& name);
   Turn before(const std::string& name, bool& is_run);
-  Turn after(const std::string& name, int proposals);
-  Turn after_unasked(const StepReport& step, int proposals);
-  Turn act(const std::string& action, const std::string& name, const std::string& offer,
-           int proposals);
+  std::optional<Move> after(const std::string& name);
+  Move after_unasked(const StepReport& step, int& proposals) const;
+  bool act(const Move& move, const std::string& name);
   char ask(const std::string& question);
   void show_step(const StepReport& step) const;
   void show_result(const StepReport& step, double seconds);
@@ -271,18 +277,18 @@ Turn Conversation::before(const std::string& name, bool& is_run) {
   }
 }
 
-Turn Conversation::act(const std::string& action, const std::string& name, const std::string& offer,
-                       int proposals) {
+/// False: the action was refused.
+bool Conversation::act(const Move& move, const std::string& name) {
   const auto begun = Clock::now();
   const Report earlier = commissioning_.report();
-  if (const auto done = commissioning_.act(action, name, offer); !done) {
+  if (const auto done = commissioning_.act(move.action, name, move.offer); !done) {
     fmt::print(stderr, "ovws: {}\n", text_of(done.error()));
-    return Turn::stuck;
+    return false;
   }
   wait();
   show_others(earlier, name);
   show_result(report_of(name), std::chrono::duration<double>(Clock::now() - begun).count());
-  return after(name, proposals);
+  return true;
 }
 
 void Conversation::run_commands(const StepReport& step) {
@@ -292,21 +298,21 @@ void Conversation::run_commands(const StepReport& step) {
   }
 }
 
-/// Without questions: takes proposals until the step passes.
-Turn Conversation::after_unasked(const StepReport& step, int proposals) {
-  if (step.state != State::failed) return Turn::next;
+/// Without questions: takes proposals until the step passes. `proposals`: that were taken.
+Move Conversation::after_unasked(const StepReport& step, int& proposals) const {
+  if (step.state != State::failed) return {};
   const auto proposal = std::ranges::find(step.offers, true, &Offer::is_proposal);
   if (proposal == step.offers.end() || proposals == kMaxProposals) {
-    return step.is_needed ? Turn::stuck : Turn::next;
+    return {.end = step.is_needed ? Turn::stuck : Turn::next};
   }
   if (!is_quiet_) print_wrapped("  taken: " + proposal->text);
-  return act("offer", step.name, proposal->name, proposals + 1);
+  ++proposals;
+  return {"offer", proposal->name};
 }
 
-Turn Conversation::after(const std::string& name, int proposals) {
-  if (was_interrupted()) return Turn::quit;
+/// Asks what comes after an action; none: the key has no meaning, ask again.
+std::optional<Move> Conversation::after(const std::string& name) {
   const StepReport step = report_of(name);
-  if (options_.yes) return after_unasked(step, proposals);
   const bool has_failed = step.state == State::failed;
   const auto proposal = std::ranges::find(step.offers, true, &Offer::is_proposal);
   const bool is_proposed = has_failed && proposal != step.offers.end();
@@ -318,21 +324,19 @@ Turn Conversation::after(const std::string& name, int proposals) {
   question += ", r repeats, s skips, ";
   if (step.can_undo) question += "u undoes, ";
   const char key = ask(question + "q quits, ? help");
-  if (key == 'q') return Turn::quit;
+  if (key == 'q') return Move{.end = Turn::quit};
   if (key == '?') print("{}", kHelp);
   const bool is_repaired = key == 'y' && !step.commands.empty();
   if (is_repaired) run_commands(step);
   if (key == 's') (void)commissioning_.act("skip", name);
   wait();
-  if (key == 's' || (key == '\n' && !has_failed)) return Turn::next;
-  if (key == 'u' && step.can_undo) return act("undo", name, "", proposals);
-  if (key == '\n' && is_proposed) return act("offer", name, proposal->name, proposals);
-  if (key == 'r' || is_repaired || key == '\n') return act("run", name, "", proposals);
+  if (key == 's' || (key == '\n' && !has_failed)) return Move{};
+  if (key == 'u' && step.can_undo) return Move{"undo"};
+  if (key == '\n' && is_proposed) return Move{"offer", proposal->name};
+  if (key == 'r' || is_repaired || key == '\n') return Move{"run"};
   const std::size_t number = std::size_t(key - '1');
-  if (key >= '1' && number < step.offers.size()) {
-    return act("offer", name, step.offers[number].name, proposals);
-  }
-  return after(name, proposals);
+  if (key >= '1' && number < step.offers.size()) return Move{"offer", step.offers[number].name};
+  return std::nullopt;
 }
 
 Turn Conversation::turn(const std::string& name) {
@@ -341,7 +345,17 @@ Turn Conversation::turn(const std::string& name) {
     const Turn asked = before(name, is_run);
     if (asked != Turn::next || !is_run) return asked;
   }
-  return act("run", name, "", 0);
+  int proposals = 0;
+  Move move{"run"};
+  while (!move.action.empty()) {
+    if (!act(move, name)) return Turn::stuck;
+    std::optional<Move> next;
+    while (!next && !was_interrupted()) {
+      next = options_.yes ? after_unasked(report_of(name), proposals) : after(name);
+    }
+    move = next.value_or(Move{.end = Turn::quit});
+  }
+  return move.end;
 }
 
 int Conversation::list() const {
