@@ -253,6 +253,8 @@ void record_closed(const Common& common, const RecordTask& task, study::Measured
     law.loop = needed(after);
     const int steps = law.loop.at("steps").get<int>() - before.at("steps").get<int>();
     const double delay_ms = law.loop.at("step").value("delay_ms", 0.0);
+    if (steps < 1)
+      stop("the loop made no step during the recording: see ovws watch, or record for longer");
     law.timing.step_s = took_s / double(steps);
     law.timing.delay_s = delay_ms > 0.0 ? 1e-3 * delay_ms : law.timing.step_s;  // too few steps
   };
