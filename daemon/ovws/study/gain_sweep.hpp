@@ -29,9 +29,6 @@ template <>
 struct Wire<SweepTracker> {
   static Json to_json(const SweepTracker& tracker);
   static void decode(ObjectReader& reader, const FieldInfo& field, SweepTracker& out);
-  static Json schema(SchemaParts&, const FieldInfo&) {
-    return {{"type", "string"}, {"enum", sweep_tracker_names()}};
-  }
 };
 
 /// Arm (one sensor) of the gain sweep: a topological charge and a tracker.

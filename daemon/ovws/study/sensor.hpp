@@ -100,11 +100,9 @@ class Measurer {
   const Method& method() const { return method_; }
   int spots() const { return int(reference_px_.size()); }
   const std::vector<Vec2>& reference_px() const { return reference_px_; }
-  const Lattice& lattice() const { return model_->lattice(); }
   double lambda_d_px() const { return model_->lambda_d_px(); }
   const SpotTracker& tracker() const { return *tracker_; }
   const std::vector<int>& modes_j() const { return reconstructor_->modes_j(); }
-  const Eigen::MatrixXd& slopes() const { return slopes_; }  ///< see slope_matrix
 
   /// Tracks one spot from each start. The tracker `fit` uses PositionFit. Thread-safe.
   std::vector<SpotFix> track(const Exposure& exposure, std::span<const Vec2> starts_px) const;
