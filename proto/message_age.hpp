@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "proto/slow_camera.hpp"
+#include "proto/json_part.hpp"
 
 namespace ovws {
 

@@ -7,6 +7,8 @@
 #include <optional>
 #include <string>
 
+#include "proto/json_part.hpp"
+
 namespace ovws {
 
 struct SlowCamera {
@@ -32,13 +34,6 @@ struct SlowCamera {
 /// A frame rate in four digits and never with an exponent, as `ovws rate` accepts it.
 inline std::string hz_text(double hz) {
   return hz < 1000.0 ? fmt::format("{:.4g}", hz) : fmt::format("{:.0f}", hz);
-}
-
-/// Number at this JSON pointer; none if there is no number.
-inline std::optional<double> number_at(const nlohmann::json& message, const char* path) {
-  const nlohmann::json::json_pointer pointer(path);
-  if (!message.contains(pointer) || !message.at(pointer).is_number()) return std::nullopt;
-  return message.at(pointer).get<double>();
 }
 
 /// Whether this `status` shows a slow camera. None if `rates.expected_hz` is null (a triggered

@@ -43,10 +43,4 @@ bool is_for_later(const Finding& finding) {
   return finding.fix.starts_with("ovws setup ") || (finding.needs & kLater) != 0;
 }
 
-std::string text_at(const nlohmann::json& document, const char* path) {
-  const nlohmann::json::json_pointer pointer(path);
-  if (!document.contains(pointer) || !document.at(pointer).is_string()) return {};
-  return document.at(pointer).get<std::string>();
-}
-
 }  // namespace ovws::examine

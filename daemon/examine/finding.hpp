@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "proto/json_part.hpp"
+
 namespace ovws::examine {
 
 /// How bad a finding is; a larger value is worse.
@@ -116,8 +118,5 @@ Severity severity_of(double value, double note_above, double warning_above, doub
 bool is_command(const std::string& fix);
 /// Whether a later step of the commissioning finds the same, and offers what repairs it.
 bool is_for_later(const Finding& finding);
-
-/// String at this JSON pointer; empty: there is none.
-std::string text_at(const nlohmann::json& document, const char* path);
 
 }  // namespace ovws::examine

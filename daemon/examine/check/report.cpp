@@ -15,10 +15,6 @@ namespace {
 using nlohmann::json;
 using study::number_or_null;
 
-json text_or_null(const std::string& text) {
-  return text.empty() ? json() : json(text);
-}
-
 json finding_json(const Finding& one) {
   return {{"name", one.name},
           {"title", one.title},

@@ -24,9 +24,8 @@ constexpr int kStreamQueue = 10'000;
 Error error_of(const cli::CallFailure& failure) {
   const std::string message = cli::message_of(failure);
   if (!failure.answered) return {Errc::unavailable, "", "the daemon does not answer: " + message};
-  const std::string reason = examine::text_at(failure.error, "/data/reason");
-  return {Errc::refused, examine::text_at(failure.error, "/data/field"),
-          reason.empty() ? message : reason};
+  const std::string reason = text_at(failure.error, "/data/reason");
+  return {Errc::refused, text_at(failure.error, "/data/field"), reason.empty() ? message : reason};
 }
 
 Error cancelled_error() {

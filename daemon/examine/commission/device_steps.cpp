@@ -16,10 +16,6 @@ using nlohmann::json;
 
 constexpr double kPartOfPeriod = 0.9;  ///< of the time between two frames, for an exposure
 
-std::string text_at(const json& object, const char* key) {
-  return object.at(key).is_string() ? object.at(key).get<std::string>() : "";
-}
-
 void add(std::string& all, const std::string& more, const char* between) {
   all += (all.empty() ? "" : between) + more;
 }
@@ -48,7 +44,7 @@ Outcome run_doctor(Bench& bench, Memory&) {
     if (!is_later && examine::is_command(one.fix)) outcome.commands.push_back(one.fix);
   }
   outcome.passed = worst != Severity::bad;
-  const std::string state = "The daemon is " + text_at(*status, "state") + ".";
+  const std::string state = "The daemon is " + text_at(*status, "/state") + ".";
   const auto good = std::ranges::count(findings, Severity::good, &examine::Finding::severity);
   outcome.verdict = advised(
       worst, state + (faults.empty() ? fmt::format(" {} checks are good.", good) : "\n" + faults),
@@ -64,8 +60,8 @@ std::vector<Offer> other_cameras(const json& listed, const std::string& serial,
   std::vector<Offer> offers;
   for (const json& camera : listed.at("cameras")) {
     const std::string id = camera.at("id").get<std::string>();
-    if (text_at(camera, "serial") == serial || memory.tried.contains("use-" + id)) continue;
-    const std::string address = text_at(camera, "address");
+    if (text_at(camera, "/serial") == serial || memory.tried.contains("use-" + id)) continue;
+    const std::string address = text_at(camera, "/address");
     offers.push_back({"use-" + id,
                       "use camera " + id + (address.empty() ? "" : " at " + address),
                       {{"camera.select", {{"id", id}}}}});
@@ -91,17 +87,17 @@ Outcome run_camera(Bench& bench, Memory& memory) {
   const json config = bench.call("config.get");
   const json listed = bench.call("camera.list");
   const json camera = bench.call("camera.get");
-  const std::string id = text_at(config.at("camera"), "id");
+  const std::string id = text_at(config, "/camera/id");
   if (!memory.undo) {
     memory.undo = {{}, {{"camera.select", {{"id", id}}}}, "Camera " + id + " is in use again."};
   }
   const json& info = camera.at("info");
   const bool is_connected = camera.at("connected").get<bool>();
-  auto offers = other_cameras(listed, is_connected ? text_at(info, "serial") : "", memory);
+  auto offers = other_cameras(listed, is_connected ? text_at(info, "/serial") : "", memory);
   if (!is_connected) {
     const json status = bench.call("system.status");
-    const std::string fault = text_at(status.at("camera"), "fault");
-    if (!fault.empty() && text_at(status, "state") == "fault") {
+    const std::string fault = text_at(status, "/camera/fault");
+    if (!fault.empty() && text_at(status, "/state") == "fault") {
       return refused_settings(fault, camera.at("settings"), memory);
     }
     const bool is_alone = offers.empty();
@@ -114,10 +110,10 @@ Outcome run_camera(Bench& bench, Memory& memory) {
   Outcome outcome;
   try {
     const Image<float> image = bench.image();
-    outcome =
-        passed(fmt::format("{} {}, serial {}, delivers {} x {} pixels; {} found in all.",
-                           text_at(info, "vendor"), text_at(info, "model"), text_at(info, "serial"),
-                           image.width, image.height, listed.at("cameras").size()));
+    outcome = passed(fmt::format("{} {}, serial {}, delivers {} x {} pixels; {} found in all.",
+                                 text_at(info, "/vendor"), text_at(info, "/model"),
+                                 text_at(info, "/serial"), image.width, image.height,
+                                 listed.at("cameras").size()));
     outcome.picture = grey_of(image);
   } catch (const StepFailed& failure) {
     outcome = failed(failure.error);
@@ -133,7 +129,7 @@ Outcome run_camera(Bench& bench, Memory& memory) {
 std::vector<Offer> other_outputs(const json& outputs, const Memory& memory) {
   std::vector<Offer> offers;
   for (const json& output : outputs) {
-    const std::string name = text_at(output, "name");
+    const std::string name = text_at(output, "/name");
     if (output.at("selected") == true || output.at("usable") == false) continue;
     if (memory.tried.contains("use-" + name)) continue;
     offers.push_back({"use-" + name,
@@ -169,12 +165,12 @@ Reaction reaction(Bench& bench) {
 }
 
 Outcome unusable(const json& status, const json& outputs, const Memory& memory) {
-  const std::string fault = text_at(status, "fault") + text_at(status.at("slm"), "fault");
+  const std::string fault = text_at(status, "/fault") + text_at(status, "/slm/fault");
   std::string selected, reason;
   for (const json& output : outputs) {
     if (output.at("selected") == false) continue;
-    selected = text_at(output, "name");
-    reason = text_at(output, "reason");
+    selected = text_at(output, "/name");
+    reason = text_at(output, "/reason");
   }
   std::string text = reason.empty() ? fault : selected + ": " + reason;
   if (text.empty()) text = "The SLM's output is not in use.";
@@ -225,13 +221,13 @@ Outcome run_output(Bench& bench, Memory& memory) {
     memory.undo = {
         {},
         {{"slm.set", {{"display", slm.at("display")}, {"allow_primary", slm.at("allow_primary")}}}},
-        "Output " + text_at(slm, "display") + " is configured again."};
+        "Output " + text_at(slm, "/display") + " is configured again."};
   }
   const json outputs = bench.call("slm.outputs").at("outputs");
   const json status = bench.call("system.status");
   const json& state = status.at("slm");
   if (state.at("connected") == false) return unusable(status, outputs, memory);
-  const std::string name = text_at(state.at("info"), "output");
+  const std::string name = text_at(state, "/info/output");
   Reaction seen = reaction(bench);
   if (!seen.changes) return no_reaction(seen, name, outputs, memory);
   auto outcome = passed(fmt::format(

@@ -28,7 +28,7 @@ json json_of(const StepReport& step) {
           {"verdict", std::move(verdict)},
           {"offers", std::move(offers)},
           {"can_undo", step.can_undo},
-          {"picture", step.picture.empty() ? json() : json(step.picture)}};
+          {"picture", text_or_null(step.picture)}};
 }
 
 }  // namespace

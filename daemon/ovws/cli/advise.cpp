@@ -10,6 +10,7 @@
 #include "daemon/ovws/text/fill.hpp"
 #include "daemon/shared/slm_files.hpp"
 #include "proto/field_json.hpp"
+#include "proto/json_part.hpp"
 #include "proto/limits.hpp"
 
 namespace ovws::cli {
@@ -64,7 +65,7 @@ Json advice_json(const design::AdviceList& list, const Configured& configured) {
   for (const design::Advice& advice : list.best_first) best.push_back(json_of_advice(advice));
   for (const design::Unfit& one : list.unfit) unfit.push_back(json_of_unfit(one));
   Json own = configured ? json_of_advice(*configured) : json_of_unfit(configured.error());
-  if (configured) own["warning"] = configured->warning.empty() ? Json() : Json(configured->warning);
+  if (configured) own["warning"] = text_or_null(configured->warning);
   return {{"best_first", best}, {"unfit", unfit}, {"configured", own}};
 }
 

@@ -16,6 +16,7 @@
 #include "daemon/ovwsd/settings/config_check.hpp"
 #include "daemon/shared/atomic_file.hpp"
 #include "proto/field_json.hpp"
+#include "proto/json_part.hpp"
 #include "proto/json_text.hpp"
 #include "proto/names.hpp"
 #include "proto/reader.hpp"
@@ -39,7 +40,7 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Figures, subapertures, modes, modes_by_positi
 inline void to_json(Json& out, const Finding& finding) {
   out = {{"limit", wire_name(finding.limit)},
          {"reason", finding.reason},
-         {"help", finding.help.empty() ? Json() : Json(finding.help)}};
+         {"help", text_or_null(finding.help)}};
 }
 
 }  // namespace ovws::design

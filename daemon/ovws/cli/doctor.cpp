@@ -34,7 +34,7 @@ nlohmann::json document_of(const Findings& found) {
     findings.push_back({{"name", one.name},
                         {"verdict", examine::names_of(one.severity).doctor_name},
                         {"meaning", one.text},
-                        {"fix", one.fix.empty() ? nlohmann::json() : nlohmann::json(one.fix)}});
+                        {"fix", text_or_null(one.fix)}});
   }
   nlohmann::json counts;
   for (const Severity one : kSeverities) {

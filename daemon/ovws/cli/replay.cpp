@@ -15,6 +15,7 @@
 #include "daemon/ovws/text/fill.hpp"
 #include "daemon/ovwsd/record/loop_player.hpp"
 #include "daemon/ovwsd/record/player.hpp"
+#include "proto/json_part.hpp"
 #include "proto/json_text.hpp"
 
 namespace ovws::cli {

@@ -1,15 +1,12 @@
 #include "daemon/ovws/cli/replay_tally.hpp"
 
 #include "daemon/ovws/text/fill.hpp"
+#include "proto/json_part.hpp"
 #include "proto/json_text.hpp"
 
 namespace ovws::cli {
 
 using nlohmann::json;
-
-json text_or_null(const std::string& text) {
-  return text.empty() ? json(nullptr) : json(text);
-}
 
 void ReplayTally::count(const json& line) {
   const bool was_replayed = line.at("replayed").get<bool>(), is_same = line.at("same").get<bool>();

@@ -7,9 +7,6 @@
 
 namespace ovws::cli {
 
-/// A text as JSON; null if it is empty.
-nlohmann::json text_or_null(const std::string& text);
-
 struct ReplayTally {
   std::uint64_t frames = 0, replayed = 0, same = 0, valid = 0, refined = 0;
   std::string first_reason, first_difference;

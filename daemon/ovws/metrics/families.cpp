@@ -7,6 +7,7 @@
 
 #include "core/optics/zernike.hpp"
 #include "proto/daemon_state.hpp"
+#include "proto/json_part.hpp"
 
 namespace ovws::metrics {
 namespace {
@@ -87,28 +88,9 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 23> kCounter
     {"clients_rejected", "Connection attempts without a known key."},
 }};
 
-/// Part of a message at this JSON pointer; null if the message does not have it.
-const json& part_of(const json& message, const std::string& path) {
-  static const json kNone;
-  const json::json_pointer pointer(path);
-  return message.contains(pointer) ? message.at(pointer) : kNone;
-}
-
-/// Number at this JSON pointer, a bool as 0 or 1; none for any other value.
-std::optional<double> number_at(const json& message, const std::string& path) {
-  const json& value = part_of(message, path);
-  if (value.is_boolean()) return value.get<bool>() ? 1.0 : 0.0;
-  return value.is_number() ? std::optional(value.get<double>()) : std::nullopt;
-}
-
-std::string text_at(const json& message, const std::string& path) {
-  const json& value = part_of(message, path);
-  return value.is_string() ? value.get<std::string>() : std::string();
-}
-
 /// JSON object or array at this path; an empty one if there is none.
 json part_at(const json& message, const std::string& path, json::value_t type) {
-  const json& value = part_of(message, path);
+  const json& value = ovws::part_at(message, path);
   return value.type() == type ? value : json(type);
 }
 
