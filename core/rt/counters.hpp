@@ -37,8 +37,13 @@ enum class Counter : std::uint8_t {
   count_,
 };
 
-/// Counter names as in `status` messages, in the order of enum Counter.
-std::span<const std::string_view> all_counter_names();
+struct CounterRow {
+  std::string_view name;  ///< as in `status` messages
+  std::string_view help;  ///< a sentence
+  bool is_loss = false;   ///< something is missing, late or wrong
+};
+/// All counters, in the order of the enum, which is that in which people read them.
+std::span<const CounterRow> all_counters();
 std::string_view counter_name(Counter counter);
 
 /// Set of counters. Thread-safe and RT-safe; uses relaxed atomics, so counters are not ordered.

@@ -15,8 +15,11 @@
 namespace ovws {
 
 inline const std::vector<std::string>& counter_names() {
-  static const std::vector<std::string> names(all_counter_names().begin(),
-                                              all_counter_names().end());
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (const CounterRow& row : all_counters()) all.emplace_back(row.name);
+    return all;
+  }();
   return names;
 }
 

@@ -16,13 +16,13 @@ TEST_CODE = (*CODE, ".py", ".mjs")
 
 # Part: budget, suffixes, the paths that it has (the longest prefix of a file decides).
 BUDGETS = {
-    "core": (21600, CODE, ["core/"]),
+    "core": (21630, CODE, ["core/"]),
     "proto, config": (7850, CODE, ["proto/", "config/"]),
     "drivers": (6550, CODE, ["drivers/"]),
     "twin": (7550, CODE, ["drivers/twin/"]),
     "ovwsd": (24400, CODE, ["daemon/ovwsd/"]),
     "examine": (6450, CODE, ["daemon/examine/"]),
-    "ovws": (15800, CODE, ["daemon/ovws/"]),
+    "ovws": (15600, CODE, ["daemon/ovws/"]),
     "web, shared": (4810, CODE, ["daemon/web/", "daemon/shared/"]),
     "tests": (57600, TEST_CODE, ["tests/"]),
 }

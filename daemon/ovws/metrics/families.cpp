@@ -1,11 +1,13 @@
 #include "daemon/ovws/metrics/families.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <string>
 #include <utility>
 
 #include "core/optics/zernike.hpp"
+#include "core/rt/counters.hpp"
 #include "proto/daemon_state.hpp"
 #include "proto/json_part.hpp"
 
@@ -60,34 +62,6 @@ constexpr GaugeRow kWavefrontGauges[]{
     {"/saturated", "ovws_spots_saturated_ratio", "Fraction of spots with a saturated pixel."},
 };
 
-constexpr std::array<std::pair<std::string_view, std::string_view>, 23> kCounters{{
-    {"frames_grabbed", "Complete frames received from the camera in order."},
-    {"frames_lost", "Frame numbers missing in the camera's sequence."},
-    {"frames_incomplete", "Frames with missing packets."},
-    {"frames_duplicated", "Frames received a second time."},
-    {"frames_out_of_order", "Frames received after a later one."},
-    {"frames_late", "Frames that arrived too late, which are not valid."},
-    {"frames_left_justified", "Frames with MSB-aligned pixels, which were shifted right."},
-    {"frames_unplanned", "Frames not measured because there was no measurement plan."},
-    {"frames_unexpected", "Frames not measured because of an unexpected size or format."},
-    {"frames_dropped", "Frames dropped because the daemon was too slow."},
-    {"frames_unsettled",
-     "Frames that were not settled: the hologram was changing or was not the sensor's, the "
-     "region had just changed, the display had a fault, or the frame was late."},
-    {"frames_invalid", "Frames published without a valid wavefront."},
-    {"frames_unexplained", "Invalid frames whose spot positions no wavefront explains."},
-    {"frames_published", "Frames published."},
-    {"spots_lost", "Spots not found, summed over all frames."},
-    {"acquisitions", "Searches for spots in the whole image."},
-    {"messages_dropped", "Stream messages dropped because a queue of the daemon was full."},
-    {"deadline_missed", "Frames published more than one frame period after their arrival."},
-    {"camera_reconnects", "Reconnections of the camera."},
-    {"display_faults", "Faults of the display."},
-    {"requests", "Requests on the control socket."},
-    {"requests_refused", "Requests that were refused."},
-    {"clients_rejected", "Connection attempts without a known key."},
-}};
-
 /// JSON object or array at this path; an empty one if there is none.
 json part_at(const json& message, const std::string& path, json::value_t type) {
   const json& value = ovws::part_at(message, path);
@@ -121,10 +95,11 @@ void add_counter(Families& out, const std::string& name, std::string help, doubl
 void add_counters(Families& out, const json& status) {
   const json counters = part_at(status, "/counters", json::value_t::object);
   for (const auto& [name, count] : counters.items()) {
-    const std::string_view help = counter_help(name);
+    const auto known = std::ranges::find(all_counters(), name, &CounterRow::name);
     if (!count.is_number()) continue;
     add_counter(out, "ovws_" + name + "_total",
-                help.empty() ? "Counter of a newer daemon: see its WIRE.md." : std::string(help),
+                known == all_counters().end() ? "Counter of a newer daemon: see its WIRE.md."
+                                              : std::string(known->help),
                 count.get<double>());
   }
   const std::pair<const char*, const char*> fits[]{{"done", "Frames refined."},
@@ -239,13 +214,6 @@ void add_wavefront(Families& out, const json& wavefront) {
 }
 
 }  // namespace
-
-std::string_view counter_help(std::string_view counter) {
-  for (const auto& [name, help] : kCounters) {
-    if (name == counter) return help;
-  }
-  return {};
-}
 
 std::vector<MetricFamily> families(const std::optional<json>& status,
                                    const std::optional<json>& wavefront) {

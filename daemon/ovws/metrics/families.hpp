@@ -5,13 +5,9 @@
 
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <string_view>
 #include <vector>
 
 namespace ovws::metrics {
-
-/// Help sentence for a counter of `status`; empty for an unknown name.
-std::string_view counter_help(std::string_view counter);
 
 /// Builds all metrics from the newest messages. Without a current `status`, only `ovws_up 0` is
 /// exported. `wavefront`: none if the newest one is too old. A missing or null key in a message

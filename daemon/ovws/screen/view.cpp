@@ -1,10 +1,9 @@
 #include "daemon/ovws/screen/view.hpp"
 
 #include <algorithm>
-#include <string_view>
 #include <utility>
 
-#include "daemon/ovws/text/status.hpp"
+#include "core/rt/counters.hpp"
 #include "proto/json_text.hpp"
 #include "proto/message_age.hpp"
 
@@ -53,12 +52,13 @@ void Gatherer::read_status(json status) {
   for (const auto& [name, count] : view_.status.at("counters").items()) {
     if (count.is_number_unsigned()) counters[name] = count.get<std::uint64_t>();
   }
-  for (const std::string_view loss : cli::kLosses) {
-    const std::string name(loss);
+  for (const CounterRow& row : all_counters()) {
+    const std::string name(row.name);
     const std::uint64_t count = counters.contains(name) ? counters[name] : 0;
     // A restarted daemon counts from 0 again.
     const std::uint64_t before = counters_.contains(name) ? counters_[name] : count;
-    if (count > 0) view_.losses.push_back({name, count, count - std::min(before, count)});
+    if (row.is_loss && count > 0)
+      view_.losses.push_back({name, count, count - std::min(before, count)});
   }
   counters_ = std::move(counters);
 }

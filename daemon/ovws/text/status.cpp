@@ -8,6 +8,7 @@
 #include <sstream>
 #include <vector>
 
+#include "core/rt/counters.hpp"
 #include "daemon/ovws/text/answer.hpp"
 #include "daemon/ovws/text/fill.hpp"
 #include "proto/dark_image.hpp"
@@ -96,9 +97,9 @@ std::string wavefront_text(const BenchState& bench) {
 
 std::string losses_text(const json& counters) {
   std::string text;
-  for (const std::string_view name : kLosses) {
+  for (const auto& [name, help, is_loss] : all_counters()) {
     const auto count = counters.value(std::string(name), std::uint64_t(0));
-    if (count > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name, count);
+    if (is_loss && count > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name, count);
   }
   return text.empty() ? "none since the start" : text + " since the start";
 }

@@ -1,10 +1,8 @@
 /// The state of the bench in reading order.
 #pragma once
 
-#include <array>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <string_view>
 
 namespace ovws::cli {
 
@@ -25,12 +23,5 @@ std::string measured_rate_text(const nlohmann::json& status);
 /// The largest of the correction's modes, and how to remove it unless the loop is closed; empty:
 /// there is no correction. `modes` of correction.get, and loop.get.
 std::string correction_text(const nlohmann::json& modes, const nlohmann::json& loop);
-
-/// Names of the counters that count losses, in the order in which people read them.
-inline constexpr std::array<std::string_view, 14> kLosses{
-    "frames_lost",        "frames_incomplete", "frames_duplicated", "frames_out_of_order",
-    "frames_late",        "frames_unplanned",  "frames_unexpected", "frames_dropped",
-    "frames_unexplained", "spots_lost",        "messages_dropped",  "deadline_missed",
-    "camera_reconnects",  "display_faults"};
 
 }  // namespace ovws::cli
