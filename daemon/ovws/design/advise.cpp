@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "core/spots/mode_limit.hpp"
-#include "daemon/ovws/design/attempt.hpp"
 #include "daemon/ovws/design/search.hpp"
 #include "daemon/ovwsd/settings/config_check.hpp"
 

@@ -1,4 +1,4 @@
-#include "daemon/ovws/design/attempt.hpp"
+#include "daemon/ovws/design/search.hpp"
 
 #include <spdlog/fmt/fmt.h>
 

@@ -6,7 +6,6 @@
 #include <iterator>
 
 #include "core/optics/zernike.hpp"
-#include "daemon/ovws/design/attempt.hpp"
 #include "daemon/ovws/design/search.hpp"
 #include "proto/limits.hpp"
 

@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include "core/tracking/spot_geometry.hpp"
-#include "daemon/ovws/design/attempt.hpp"
 #include "daemon/ovws/design/search.hpp"
 #include "daemon/ovwsd/layout/mode_operators.hpp"
 

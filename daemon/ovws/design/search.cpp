@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "core/optics/zernike.hpp"
-#include "daemon/ovws/design/attempt.hpp"
 
 namespace ovws::design {
 namespace {
