@@ -72,8 +72,9 @@ int call_method(const Common& common, const CallOptions& options) {
   const json answer = needed(options.wait ? call_and_wait(common, options.method, *params)
                                           : call(common, options.method, *params));
   const bool is_for_people = !common.json && isatty(STDOUT_FILENO) != 0;
-  return print_answer(common, answer,
-                      is_for_people ? answer_text(options.method, answer) : readable(answer));
+  return print_result(common, answer,
+                      is_for_people ? answer_text(options.method, answer) : readable(answer),
+                      kAnswerIndent);
 }
 
 }  // namespace

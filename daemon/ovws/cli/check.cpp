@@ -8,7 +8,6 @@
 #include "daemon/examine/check/report.hpp"
 #include "daemon/ovws/cli/command_line.hpp"
 #include "daemon/ovws/cli/commands.hpp"
-#include "daemon/ovws/cli/request.hpp"
 #include "daemon/ovws/study/figure.hpp"
 #include "daemon/ovws/study/parallel.hpp"
 #include "daemon/ovws/text/quantity.hpp"

@@ -11,10 +11,9 @@
 
 #include "config/config.hpp"
 #include "daemon/examine/finding.hpp"
+#include "daemon/ovws/cli/request.hpp"
 #include "daemon/ovws/parts/share.hpp"
 #include "daemon/ovws/study/work.hpp"
-#include "daemon/shared/client.hpp"
-#include "proto/json_text.hpp"
 
 namespace CLI {
 class Option;
@@ -25,12 +24,6 @@ namespace ovws::cli {
 /// Whether the reader of standard output (a pipe or terminal) has gone.
 bool output_has_no_reader();
 
-/// Prints the text, or with --json the result on one line. Returns kOk.
-inline int print_result(const Common& common, const nlohmann::json& result,
-                        const std::string& text) {
-  print("{}\n", common.json ? json_text(result) : text);
-  return kOk;
-}
 /// Prints the name of a file that was written.
 inline int report_file(const Common& common, const std::string& file) {
   return print_result(common, {{"file", file}}, file);

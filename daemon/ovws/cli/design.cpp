@@ -10,7 +10,6 @@
 #include "core/base/number_text.hpp"
 #include "daemon/ovws/cli/command_line.hpp"
 #include "daemon/ovws/cli/commands.hpp"
-#include "daemon/ovws/cli/request.hpp"
 #include "daemon/ovws/design/design.hpp"
 #include "daemon/ovws/text/fill.hpp"
 #include "daemon/ovwsd/settings/config_check.hpp"

@@ -7,7 +7,6 @@
 
 #include "daemon/ovws/cli/command_line.hpp"
 #include "daemon/ovws/cli/commands.hpp"
-#include "daemon/ovws/cli/request.hpp"
 
 namespace ovws::cli {
 namespace {

@@ -16,7 +16,6 @@
 #include "daemon/ovws/cli/commands.hpp"
 #include "daemon/ovws/cli/experiment_bench.hpp"
 #include "daemon/ovws/cli/experiment_images.hpp"
-#include "daemon/ovws/cli/request.hpp"
 #include "daemon/ovws/cli/study_files.hpp"
 #include "daemon/ovws/study/gain_sweep.hpp"
 #include "daemon/ovws/study/parallel.hpp"

@@ -16,7 +16,6 @@
 #include "daemon/ovws/cli/commands.hpp"
 #include "daemon/ovws/cli/image_file.hpp"
 #include "daemon/ovws/cli/measurement.hpp"
-#include "daemon/ovws/cli/request.hpp"
 #include "daemon/ovws/text/fill.hpp"
 #include "daemon/ovwsd/sensor/plan_builder.hpp"
 #include "daemon/shared/slm_files.hpp"

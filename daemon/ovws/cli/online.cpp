@@ -4,10 +4,8 @@
 
 #include "daemon/ovws/cli/command_line.hpp"
 #include "daemon/ovws/cli/commands.hpp"
-#include "daemon/ovws/cli/request.hpp"
 #include "daemon/ovws/text/description.hpp"
 #include "daemon/ovws/text/status.hpp"
-#include "daemon/ovws/text/wrap.hpp"
 #include "daemon/shared/client.hpp"
 #include "proto/reader.hpp"
 
@@ -36,9 +34,7 @@ BenchState state_of_bench(const Common& common, const json& status) {
 int show_status(const Common& common, const NoOptions&) {
   const json status = needed(call(common, "system.status", json::object()));
   if (common.json) return print_result(common, status, "");
-  const std::string text = status_text(state_of_bench(common, status));
-  print("{}\n", wrapped(text, terminal_columns(), kStatusColumn));
-  return kOk;
+  return print_result(common, status, status_text(state_of_bench(common, status)), kStatusColumn);
 }
 
 int describe(const Common& common, const std::string& name) {
@@ -50,8 +46,8 @@ int describe(const Common& common, const std::string& name) {
                                        (near ? "; did you mean " + *near + "?" : "")});
   }
   const std::string text = name.empty() ? list_text(description) : entry_text(description, name);
-  return print_result(common, name.empty() ? description : entry_of(description, name),
-                      wrapped(text, terminal_columns(), kDescriptionColumn));
+  return print_result(common, name.empty() ? description : entry_of(description, name), text,
+                      kDescriptionColumn);
 }
 
 }  // namespace

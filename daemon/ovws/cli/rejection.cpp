@@ -9,7 +9,6 @@
 
 #include "daemon/examine/status_questions.hpp"
 #include "daemon/ovws/cli/commands.hpp"
-#include "daemon/ovws/cli/request.hpp"
 #include "daemon/ovws/cli/study_files.hpp"
 #include "daemon/ovws/study/parallel.hpp"
 #include "daemon/ovws/study/rejection.hpp"

@@ -2,7 +2,6 @@
 
 #include <atomic>
 #include <cmath>
-#include <optional>
 
 #include "daemon/ovws/study/parallel.hpp"
 #include "daemon/ovws/text/quantity.hpp"
@@ -73,9 +72,11 @@ Answer newest_wavefront(const Common& common) {
   return message ? json_of(message->json) : json();
 }
 
-int print_answer(const Common& common, const json& answer, const std::string& text) {
-  constexpr std::size_t kIndent = 2;
-  print("{}\n", common.json ? json_text(answer) : wrapped(text, terminal_columns(), kIndent));
+int print_result(const Common& common, const json& result, const std::string& text,
+                 std::optional<std::size_t> indent) {
+  const bool is_wrapped = indent && !common.json;
+  const std::string shown = common.json ? json_text(result) : text;
+  print("{}\n", is_wrapped ? wrapped(shown, terminal_columns(), *indent) : shown);
   return kOk;
 }
 

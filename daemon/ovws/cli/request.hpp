@@ -5,6 +5,7 @@
 #include <csignal>
 #include <initializer_list>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 #include "core/base/result.hpp"
@@ -25,8 +26,11 @@ Answer call_and_wait(const Common& common, const std::string& method, const nloh
 /// The next wavefront message; null if none comes within a second.
 Answer newest_wavefront(const Common& common);
 
-/// Prints `text` wrapped for the terminal, or with --json `answer` on one line. Returns kOk.
-int print_answer(const Common& common, const nlohmann::json& answer, const std::string& text);
+/// Prints `text`, or with --json `result` on one line. With `indent`, wraps the text for the
+/// terminal, and indents what follows in a line by so much. Returns kOk.
+int print_result(const Common& common, const nlohmann::json& result, const std::string& text,
+                 std::optional<std::size_t> indent = std::nullopt);
+constexpr std::size_t kAnswerIndent = 2;
 
 /// Prints a mistake of the command line on stderr (as JSON on stdout with --json). Returns kUsage.
 int report_mistake(const Common& common, const Error& error);

@@ -15,7 +15,6 @@
 #include "daemon/examine/commission/commissioning.hpp"
 #include "daemon/ovws/cli/command_line.hpp"
 #include "daemon/ovws/cli/commands.hpp"
-#include "daemon/ovws/cli/request.hpp"
 #include "daemon/ovws/screen/picture_text.hpp"
 #include "daemon/ovws/study/parallel.hpp"
 #include "daemon/ovws/text/quantity.hpp"

@@ -23,7 +23,7 @@ using Words = std::vector<std::string>;
 /// Calls a method, waits for its job, and prints the result. Returns an exit code.
 int act(const Common& common, const std::string& method, const json& params) {
   const json answer = needed(call_and_wait(common, method, params));
-  return print_answer(common, answer, answer_text(method, answer));
+  return print_result(common, answer, answer_text(method, answer), kAnswerIndent);
 }
 
 /// As above, with params from words.
@@ -56,8 +56,9 @@ int act_on_camera(const Common& common, const CameraWords& words, const std::str
   }
   const json answer = needed(call(common, text.empty() ? "camera.get" : "camera.set", params));
   const json& settings = answer.at(text.empty() ? "settings" : "applied");
-  return print_answer(common, answer,
-                      words.what + (" " + words.show(settings, answer.at("limits"))));
+  return print_result(common, answer,
+                      words.what + (" " + words.show(settings, answer.at("limits"))),
+                      kAnswerIndent);
 }
 
 /// Warns on stderr that the further question of a verb that has done its work was not answered.
@@ -110,7 +111,7 @@ int show_rate(const Common& common) {
   const auto status = call(common, "system.status", json::object());
   answer["rates"] = status ? status->at("rates") : json();
   if (status) text += "; measured: " + measured_rate_text(*status);
-  print_answer(common, answer, text);
+  print_result(common, answer, text, kAnswerIndent);
   if (!status) warn_about("the measured rate", status.error());
   return kOk;
 }
@@ -146,7 +147,7 @@ int clear_verb(const Common& common, const NoOptions&) {
     const std::string stays = correction_text(correction->at("modes"), *loop);
     if (!stays.empty()) text += "\nthe correction stays: " + stays;
   }
-  print_answer(common, answer, text);
+  print_result(common, answer, text, kAnswerIndent);
   if (!loop) warn_about("the correction that stays", loop.error());
   return kOk;
 }
@@ -220,7 +221,7 @@ int record_verb(const Common& common, const std::vector<std::string>& words) {
   auto record = end_of_recording(common, duration_s);
   study::print_progress("");
   const json ended = needed(std::move(record));
-  print_answer(common, ended, answer_text("record.get", ended));
+  print_result(common, ended, answer_text("record.get", ended), kAnswerIndent);
   return has_ended_well(ended) ? kOk : kError;
 }
 

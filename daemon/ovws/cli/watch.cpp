@@ -13,7 +13,6 @@
 #include "core/optics/zernike.hpp"
 #include "daemon/ovws/cli/command_line.hpp"
 #include "daemon/ovws/cli/commands.hpp"
-#include "daemon/ovws/cli/request.hpp"
 #include "daemon/ovws/text/answer.hpp"
 #include "daemon/ovws/text/fill.hpp"
 #include "daemon/ovws/text/mode_names.hpp"

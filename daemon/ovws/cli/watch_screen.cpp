@@ -12,7 +12,6 @@
 #include <utility>
 
 #include "daemon/ovws/cli/commands.hpp"
-#include "daemon/ovws/cli/request.hpp"
 #include "daemon/ovws/screen/page.hpp"
 #include "daemon/ovws/screen/terminal.hpp"
 #include "daemon/ovws/text/answer.hpp"
