@@ -16,8 +16,9 @@
 #include "daemon/ovws/study/work.hpp"
 
 namespace CLI {
+class App;
 class Option;
-}
+}  // namespace CLI
 
 namespace ovws::cli {
 
@@ -38,6 +39,16 @@ int show_screen(Common common);
 /// given, the endpoint in the configuration is asked.
 examine::Findings examine_bench(const Common& common, const std::string& config_path,
                                 const CLI::Option* endpoint);
+
+/// Values of a known camera that replace those of a RefineSetup.
+struct RefineOverrides {
+  std::optional<double> electrons_per_dn, read_noise_e, black_level_dn, saturation_dn;
+
+  RefineSetup on(RefineSetup setup) const;
+};
+/// Adds their options, which need the flag `refine`.
+void add_refine_camera(CLI::App& command, RefineOverrides& camera, CLI::Option* refine,
+                       const char* electrons_help);
 
 struct ImageOptions {
   std::string config_path;

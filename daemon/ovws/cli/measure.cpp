@@ -28,13 +28,15 @@ namespace {
 
 using nlohmann::json;
 
+constexpr double kElectronsPerDn = 1.0;  ///< unless it is given
+
 struct MeasureOptions {
   std::string config_path;
   std::string reference;
   bool model_reference = false;
   std::string tracker;
   bool refine = false;
-  RefineCamera camera;  ///< used with `refine` only
+  RefineOverrides camera;  ///< used with `refine` only
   bool spot_amplitudes = false;
   std::vector<std::string> images;
 };
@@ -236,10 +238,10 @@ class ImageMeasurer {
   /// Camera noise with which images are refined; none: images are not refined.
   std::optional<RefineCamera> camera_of(const ImageView& image) const {
     if (!options_.refine) return std::nullopt;
-    RefineCamera camera = options_.camera;
-    camera.saturated_dn = std::min(camera.saturated_dn, full_scale_dn(image.format));
-    camera.read_noise_e = std::hypot(camera.read_noise_e, rounding_e(camera.electrons_per_dn));
-    return camera;
+    RefineSetup setup;
+    setup.electrons_per_dn = kElectronsPerDn;
+    setup.format = image.format;
+    return refine_camera(options_.camera.on(setup), image.format, 0.0);
   }
 
   const MeasureOptions& options_;
@@ -327,27 +329,9 @@ void add_measure(CLI::App& app, const Common& common, int& status) {
   auto* refine =
       command.add_flag("--refine", options.refine,
                        "fit all pixels of the spots with this camera's noise, and report how "
-                       "well the model explains them");
-  command
-      .add_option("--electrons-per-dn", options.camera.electrons_per_dn, "camera gain for --refine")
-      ->check(number_from(1e-6, 1e6))
-      ->needs(refine)
-      ->capture_default_str();
-  command
-      .add_option("--read-noise", options.camera.read_noise_e,
-                  "read noise for --refine, electrons RMS")
-      ->check(number_from(0.0, 1e6))
-      ->needs(refine)
-      ->capture_default_str();
-  command
-      .add_option("--saturation", options.camera.saturated_dn,
-                  "for --refine: ignore pixels from this DN on (default: the file's full scale)")
-      ->check(number_from(1.0, 65535.0))
-      ->needs(refine);
-  command.add_option("--black-level", options.camera.black_dn, "black level for --refine, DN")
-      ->check(number_from(0.0, 65535.0))
-      ->needs(refine)
-      ->capture_default_str();
+                       "well the model explains them; defaults: a read noise of 5 electrons, a "
+                       "black level of 0, the file's full scale");
+  add_refine_camera(command, options.camera, refine, "for --refine: electrons per DN (default: 1)");
   command
       .add_flag("--spot-amplitudes", options.spot_amplitudes,
                 "for --refine: also report each subaperture's amplitude")

@@ -24,11 +24,6 @@ namespace {
 using nlohmann::json;
 namespace fs = std::filesystem;
 
-/// Values that replace those of the recording's configuration; see RefineSetup.
-struct RefineOverrides {
-  std::optional<double> electrons_per_dn, read_noise_e, black_level_dn, saturation_dn;
-};
-
 struct ReplayOptions {
   std::string path;
   double speed = 0.0;  ///< factor to the recorded speed; 0: as fast as possible
@@ -134,12 +129,8 @@ int print_summary(const Common& common, const ReplayOptions& options, const Repl
 /// The settings with which frames are refined: those of the recording's configuration, with the
 /// values of the command line.
 Result<RefineSetup> refine_setup(const Config& config, const RefineOverrides& camera) {
-  RefineSetup setup = config.refine;
+  RefineSetup setup = camera.on(config.refine);
   setup.enabled = true;
-  if (camera.electrons_per_dn) setup.electrons_per_dn = camera.electrons_per_dn;
-  if (camera.read_noise_e) setup.read_noise_e = *camera.read_noise_e;
-  if (camera.black_level_dn) setup.black_level_dn = *camera.black_level_dn;
-  if (camera.saturation_dn) setup.saturation_dn = camera.saturation_dn;
   if (auto usable = check_refine(setup); !usable) {
     return fail(Errc::invalid, "--refine",
                 usable.error().field + " " + usable.error().reason + ": see ovws replay --help");
@@ -232,15 +223,19 @@ int replay_recording(const Common& common, const ReplayOptions& options) {
   return print_summary(common, options, tally, *loop);
 }
 
-void add_refine_options(CLI::App& command, ReplayOptions& options) {
-  auto* refine = command.add_flag(
-      "--refine", options.refine,
-      "also fit all pixels of the spots of each frame with the camera's noise; each value below "
-      "replaces that of refine in the recording's configuration");
-  RefineOverrides& camera = options.camera;
-  command
-      .add_option("--electrons-per-dn", camera.electrons_per_dn,
-                  "for --refine: electrons per DN of the configured pixel format at a gain of 0 dB")
+}  // namespace
+
+RefineSetup RefineOverrides::on(RefineSetup setup) const {
+  if (electrons_per_dn) setup.electrons_per_dn = electrons_per_dn;
+  if (read_noise_e) setup.read_noise_e = *read_noise_e;
+  if (black_level_dn) setup.black_level_dn = *black_level_dn;
+  if (saturation_dn) setup.saturation_dn = saturation_dn;
+  return setup;
+}
+
+void add_refine_camera(CLI::App& command, RefineOverrides& camera, CLI::Option* refine,
+                       const char* electrons_help) {
+  command.add_option("--electrons-per-dn", camera.electrons_per_dn, electrons_help)
       ->check(number_from(limits::kElectronsPerDn))
       ->needs(refine);
   command
@@ -256,8 +251,6 @@ void add_refine_options(CLI::App& command, ReplayOptions& options) {
       ->check(number_from(limits::kSaturationDn))
       ->needs(refine);
 }
-
-}  // namespace
 
 void add_replay(CLI::App& app, const Common& common, int& status) {
   auto [command, options] = add_command(
@@ -297,7 +290,13 @@ void add_replay(CLI::App& app, const Common& common, int& status) {
                   "differences")
       ->excludes(speed)
       ->excludes(step);
-  add_refine_options(command, options);
+  auto* refine = command.add_flag(
+      "--refine", options.refine,
+      "also fit all pixels of the spots of each frame with the camera's noise; each value below "
+      "replaces that of refine in the recording's configuration");
+  add_refine_camera(
+      command, options.camera, refine,
+      "for --refine: electrons per DN of the configured pixel format at a gain of 0 dB");
 }
 
 }  // namespace ovws::cli
