@@ -168,17 +168,19 @@ inline constexpr auto kTable<Disturbance> =
                "rms_waves", [](auto& of) { return of.rms_waves(); },
                "RMS of the disturbance without noise, waves", Bounds::at_least(0)),
            field<&Disturbance::noise_waves>(
-               "RMS noise of one frame that the predictor assumes, waves", Bounds::at_least(0)),
+               "RMS noise of one frame that the predictor assumes, waves", Bounds::at_least(0))
+               .mandatory(),
            field<&Disturbance::parts>(
                "damped oscillators of which the disturbance is the sum, the strongest first")
-               .sized(0, Disturbance::kMaxParts)};
+               .sized(0, Disturbance::kMaxParts)
+               .mandatory()};
 
 template <>
 inline constexpr auto kTable<ModeModel> =
     Fields{"ModeModel",
-           field<&ModeModel::j>(kModeIndexMeaning),
+           field<&ModeModel::j>(kModeIndexMeaning).mandatory(),
            inlined(&ModeModel::disturbance),
-           field<&ModeModel::best_gain>("best gain of an integrator", {0, 1}),
+           field<&ModeModel::best_gain>("best gain of an integrator", {0, 1}).mandatory(),
            field<&ModeModel::integrator>("forecast for the integrator with the last loop's gain"),
            field<&ModeModel::optimised>("forecast for the integrator with best_gain"),
            field<&ModeModel::predictor>("forecast for the predictor")};
@@ -193,7 +195,7 @@ inline constexpr auto kTable<LoopModel> =
                "number of steps of which step_s and delay_s are the means; 0: an estimate from the "
                "settings, because the loop has not made 50 steps since it was last closed",
                Bounds::at_least(0)),
-           field<&LoopModel::modes>("the identified modes")};
+           field<&LoopModel::modes>("the identified modes").mandatory()};
 
 /// Result of `loop.model`.
 struct KnownLoopModel {

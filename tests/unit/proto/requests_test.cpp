@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "proto/tables/job.hpp"
+#include "proto/tables/loop.hpp"
 #include "proto/tables/set.hpp"
 
 namespace ovws {
@@ -282,6 +283,19 @@ TEST(WholeNumbers, WithoutLimitsAreThoseThatTheirTypeHolds) {
   for (const char* wide :
        {R"({"count": 2147483648})", R"({"total": 1e300})", R"({"counts": [1, 2147483648]})"}) {
     EXPECT_FALSE(decode<test::Unbounded>(json::parse(wide))) << wide;
+  }
+}
+
+TEST(LoopModel, IsRefusedWithoutANumberOfItsLaws) {
+  LoopModel model;
+  model.modes.push_back({4, {{{0.5, 1.0, 0.05}}, 0.002}, 0.6, {}, {}, {}});
+  const json whole = to_json(model);
+  EXPECT_TRUE(decode<LoopModel>(whole));
+  EXPECT_EQ(error_of(decode<LoopModel>(json::object())).field, "modes");
+  for (const char* key : {"j", "noise_waves", "parts", "best_gain"}) {
+    json part = whole;
+    part["modes"][0].erase(key);
+    EXPECT_EQ(error_of(decode<LoopModel>(part)).field, std::string("modes[0].") + key);
   }
 }
 
