@@ -128,6 +128,8 @@ Result<void> replace_secret_file(const std::string& path, std::string_view conte
 
 Result<void> create_secret_file(const std::string& path, std::string_view content) {
   const auto rename_to_new = [](const char* from, const char* to) {
+    if (::renameat2(AT_FDCWD, from, AT_FDCWD, to, RENAME_NOREPLACE) == 0) return 0;
+    if (errno != EINVAL && errno != ENOSYS) return -1;  // else not with this file system, as NFS
     return ::link(from, to) == 0 ? ::unlink(from) : -1;
   };
   return replace_secret_file(path, content, {::write, ::fsync, rename_to_new});
