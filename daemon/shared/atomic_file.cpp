@@ -100,6 +100,11 @@ using PermissionPolicy = bool (*)(int fd, const std::string& path);
 /// Replaces the file atomically; `apply_permissions` sets owner and permissions of the new file.
 Result<void> replace(const std::string& path, std::string_view content,
                      PermissionPolicy apply_permissions, const FileCalls& calls) {
+  struct stat before {};
+  const bool exists = ::lstat(path.c_str(), &before) == 0;
+  if (exists && !S_ISREG(before.st_mode) && !S_ISLNK(before.st_mode)) {
+    return fail(Errc::unavailable, "path", path + " is not a regular file: choose another name");
+  }
   std::string temporary = path + std::string(kUnique) + std::string(kTemporary);
   const int fd = ::mkostemps(temporary.data(), int(kTemporary.size()), O_CLOEXEC);
   if (fd < 0) return failure(path, "written");

@@ -22,9 +22,9 @@ struct FileCalls {
 
 /// Replaces a file: writes and syncs a temporary file in the same folder with the old file's owner
 /// and permissions, renames it over the old file, and syncs the folder. Follows a symbolic link and
-/// replaces its target. Blocks on the disk. Errors (Errc::unavailable, field "path") say what to do
-/// and leave the old file unchanged; if only the sync of the folder fails, a power cut may leave
-/// the old or the new file.
+/// replaces its target; refuses a device, a FIFO and a folder. Blocks on the disk. Errors
+/// (Errc::unavailable, field "path") say what to do and leave the old file unchanged; if only the
+/// sync of the folder fails, a power cut may leave the old or the new file.
 Result<void> replace_file(const std::string& path, std::string_view content,
                           const FileCalls& calls = {});
 

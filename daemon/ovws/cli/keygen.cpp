@@ -34,7 +34,9 @@ void add_keygen(CLI::App& app, const Common& common, int& status) {
       "print the public key; --server-key stores the daemon's public key in the same file; works "
       "offline",
       make_keys);
-  command.add_option("--output,-o", options.output, "JSON file to write")->required();
+  command.add_option("--output,-o", options.output, "JSON file to write")
+      ->required()
+      ->check([](const std::string& path) { return path.empty() ? "it is empty" : ""; });
   command.add_flag("--replace", options.replace, "replace an existing file, and keep its owner");
 }
 

@@ -104,11 +104,13 @@ TEST_F(KeyFiles, ReplaceALinkAndNotWhatItLeadsTo) {
 }
 
 TEST_F(KeyFiles, ThatCannotBeReplacedStayAndLeaveNothingBeside) {
-  fs::create_directory(path_);
-  const auto written = write_key_file(path_, keys_, true);
-  ASSERT_FALSE(written);
-  EXPECT_EQ(written.error().field, "path");
-  EXPECT_TRUE(fs::is_directory(path_));
+  ASSERT_EQ(::mkfifo(path_.c_str(), 0600), 0);
+  for (const bool replace : {false, true}) {
+    const auto written = write_key_file(path_, keys_, replace);
+    ASSERT_FALSE(written);
+    EXPECT_EQ(written.error().reason, path_ + " is not a regular file: choose another name");
+    EXPECT_TRUE(fs::is_fifo(path_));
+  }
   EXPECT_EQ(files(), 1);
 }
 
