@@ -16,7 +16,9 @@ std::string fix_of(const ConfigurationFacts& facts, const Error& error) {
   if (!error.nearest.empty()) {
     return fmt::format("in {}: \"{}\" in place of \"{}\"", facts.path, error.nearest, key);
   }
-  return "sudoedit " + shell_word(facts.path.empty() ? kServicePath : facts.path);
+  const bool is_unreadable = error.field.empty() && error.code == Errc::unavailable;
+  return (is_unreadable ? "namei -l " : "sudoedit ") +  // each folder with its permissions
+         shell_word(facts.path.empty() ? kServicePath : facts.path);
 }
 
 Finding judge_configuration(const ConfigurationFacts& facts) {

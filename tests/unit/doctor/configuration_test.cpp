@@ -15,6 +15,8 @@ TEST(DoctorConfiguration, AnInvalidFileIsAFaultThatNamesTheKeyAndTheNearestOne) 
          "in /etc/ovws/ovwsd.json: \"exposure_us\" in place of \"exposure_su\"");
   facts.error->nearest.clear();
   expect(facts, "configuration", Severity::bad, "sudoedit /etc/ovws/ovwsd.json");
+  facts = read_configuration("/tmp");
+  expect(facts, "configuration", Severity::bad, "namei -l /tmp");
 }
 
 TEST(DoctorConfiguration, ThatSeesNoSpotsIsAFault) {
