@@ -1,5 +1,7 @@
 #include "tests/support/simulated_bench.hpp"
 
+#include <gtest/gtest.h>
+
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -325,6 +327,9 @@ SimulatedBench::SimulatedBench(Config daemon, const twin::Config& twin)
   start(*keeper_);
   start(*camera_);
   start(*procedures_);
+  FrameTap first(frames_, FrameTap::Needs::numbers, 1,
+                 [](const FrameRecord& record) { return record.settled; });
+  EXPECT_TRUE(first.wait_for(kPatience)) << "no frame";
 }
 
 /// Ends threads in reverse order of their start, because later ones use earlier ones.
@@ -336,12 +341,6 @@ SimulatedBench::~SimulatedBench() {
 
 void SimulatedBench::start(Agent& agent) {
   threads_.push_back(std::make_unique<Turning>(agent));
-}
-
-bool SimulatedBench::is_running() {
-  FrameTap first(frames_, FrameTap::Needs::numbers, 1,
-                 [](const FrameRecord& record) { return record.settled; });
-  return first.wait_for(kPatience);
 }
 
 Result<nlohmann::json> SimulatedBench::run(const std::string& kind, Procedure procedure,

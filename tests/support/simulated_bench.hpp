@@ -58,12 +58,11 @@ twin::Config small_twin_config();
 /// One instance per process at a time. Its threads run from construction to destruction.
 class SimulatedBench {
  public:
+  /// Returns when frames of the first hologram are measured; the test fails if none is in a minute.
   explicit SimulatedBench(Config daemon = small_daemon_config(),
                           const twin::Config& twin = small_twin_config());
   ~SimulatedBench();
 
-  /// Waits until frames of the first hologram are measured; false if none arrives within a minute.
-  bool is_running();
   /// Runs a procedure like the daemon and returns when the sensor is free again. Errors: the
   /// procedure's own; Errc::unavailable after a minute.
   Result<nlohmann::json> run(const std::string& kind, Procedure procedure,

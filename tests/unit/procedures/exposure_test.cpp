@@ -48,7 +48,6 @@ TEST_P(AutoExposureFrom, EndsAtTheTarget) {
   daemon.camera.settings.gain_db = begin.gain_db;
   twin.truth.peak_electrons *= begin.light;
   SimulatedBench bench(daemon, twin);
-  ASSERT_TRUE(bench.is_running());
   const auto found = expose_on(bench, {begin.target, std::nullopt});
   ASSERT_TRUE(found) << found.error().reason;
   EXPECT_NEAR(found->brightest, begin.target, 0.05 * begin.target)
@@ -71,7 +70,6 @@ TEST(AutoExposureJob, LeavesNoSpotSaturated) {
   twin.light.shape = twin::LightShape::gaussian;  // the middle spot is half as bright again
   twin.light.diameter_px = 1.5 * small_daemon_config().sensor.pupil_diameter_px;
   SimulatedBench bench(small_daemon_config(), twin);
-  ASSERT_TRUE(bench.is_running());
   const auto found = expose_on(bench);
   ASSERT_TRUE(found) << found.error().reason;
   EXPECT_GT(found->brightest, 0.5);
@@ -90,7 +88,6 @@ TEST(AutoExposureJob, JudgesTheGratingsSpot) {
   auto twin = small_twin_config();
   twin.truth.peak_electrons *= 0.1;
   SimulatedBench bench(small_daemon_config(), twin);
-  ASSERT_TRUE(bench.is_running());
   ASSERT_TRUE(bench.edit(show_pattern(HologramKind::grating)));
   const auto found = expose_on(bench);
   ASSERT_TRUE(found) << found.error().reason;
@@ -102,7 +99,6 @@ TEST(AutoExposureJob, UsesNoLongerExposureThanAsked) {
   auto twin = small_twin_config();
   twin.truth.peak_electrons *= 2.0;
   SimulatedBench bench(small_daemon_config(), twin);
-  ASSERT_TRUE(bench.is_running());
   const auto free = expose_on(bench);
   ASSERT_TRUE(free) << free.error().reason;
   const auto refused = expose_on(bench, {0.7, 0.5 * free->exposure_us});
@@ -137,7 +133,6 @@ TEST_P(AutoExposureFails, WithAReasonAndRestoresTheCamera) {
   daemon.camera.settings.gain_db = 3.0;
   twin.truth.peak_electrons *= bad.light;
   SimulatedBench bench(daemon, twin);
-  ASSERT_TRUE(bench.is_running());
   const auto found = expose_on(bench, bad.asked);
   ASSERT_FALSE(found);
   EXPECT_EQ(found.error().field, bad.field);
@@ -162,7 +157,6 @@ TEST(AutoExposureJob, RestoresTheCameraWhenItIsCancelled) {
   twin.truth.peak_electrons *= 100.0;
   std::atomic<int> applied{0};
   SimulatedBench bench(small_daemon_config(), twin);
-  ASSERT_TRUE(bench.is_running());
   bench.optics().before_apply([&] {
     if (++applied == 1) bench.cancel();
   });

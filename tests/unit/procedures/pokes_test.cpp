@@ -42,7 +42,6 @@ class Bump {
 /// A bump begins between the two images of one mode and ends between those of another.
 TEST(Pokes, ABumpOfTheBenchIsNotTakenForAModesResponse) {
   SimulatedBench bench;
-  ASSERT_TRUE(bench.is_running());
   ASSERT_TRUE(take_reference_on(bench, 10));
   const auto still = calibrate_on(bench, 0.1, {1, 2, 3, 4, 5});
   ASSERT_TRUE(still) << still.error().reason;
@@ -62,7 +61,6 @@ TEST(Pokes, ABumpOfTheBenchIsNotTakenForAModesResponse) {
 TEST(Pokes, ALatePictureIsNotTakenForAModesResponse) {
   constexpr double kPoke = 0.05;
   SimulatedBench bench;
-  ASSERT_TRUE(bench.is_running());
   ASSERT_TRUE(take_reference_on(bench, 10));
   const auto prompt = calibrate_on(bench, kPoke, {5}, 20);
   ASSERT_TRUE(prompt) << prompt.error().reason;
@@ -82,7 +80,6 @@ TEST(Pokes, ALatePictureIsNotTakenForAModesResponse) {
 TEST(Pokes, AnUnsteadyResponseIsReported) {
   constexpr double kPoke = 0.05;
   SimulatedBench bench;
-  ASSERT_TRUE(bench.is_running());
   ASSERT_TRUE(take_reference_on(bench, 10));
   const auto steady = calibrate_on(bench, kPoke, {5}, 20);
   ASSERT_TRUE(steady) << steady.error().reason;

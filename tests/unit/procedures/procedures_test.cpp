@@ -39,7 +39,6 @@ TEST(Procedures, AReferenceIsTheZeroOfWhatIsMeasuredThen) {
   auto twin = small_twin_config();
   twin.truth.aberration = {{4, 0.05}};
   SimulatedBench bench(small_daemon_config(), twin);
-  ASSERT_TRUE(bench.is_running());
   const auto taken = take_reference_on(bench, 30);
   ASSERT_TRUE(taken) << taken.error().reason;
   EXPECT_EQ((*taken)["frames"], 30);
@@ -53,7 +52,6 @@ TEST(Procedures, AReferenceWithSaturatedSpotsIsRefused) {
   auto twin = small_twin_config();
   twin.truth.peak_electrons *= 4.0;
   SimulatedBench bench(small_daemon_config(), twin);
-  ASSERT_TRUE(bench.is_running());
   const auto taken = take_reference_on(bench, 10);
   ASSERT_FALSE(taken);
   EXPECT_EQ(taken.error().field, "camera.exposure_us");
@@ -77,7 +75,6 @@ TEST(Calibration, OfFitMeasuresTemplatesThatAreKept) {
   Config config = small_daemon_config();
   config.tracking.tracker = TrackerKind::fit;
   SimulatedBench bench(config, small_twin_config());
-  ASSERT_TRUE(bench.is_running());
   EXPECT_TRUE(calibrate_on(bench, 0.03, {1, 2, 3}));  // without a reference
   ASSERT_TRUE(take_reference_on(bench, 20));
   const auto measured = calibrate_on(bench, 0.03, {});
@@ -102,7 +99,6 @@ TEST(Calibration, OfFitMeasuresTemplatesThatAreKept) {
 /// A client's change of the camera that was permitted before a job is part of what it restores.
 TEST(Procedures, AJobRestoresWhatAClientSetJustBeforeIt) {
   SimulatedBench bench;
-  ASSERT_TRUE(bench.is_running());
   std::promise<void> begun, may_end;
   std::atomic<bool> first{true};
   bench.optics().before_apply([&] {
@@ -138,7 +134,6 @@ TEST(Procedures, AJobRestoresWhatAClientSetJustBeforeIt) {
 /// Whatever was measured with a registration stays in use if the same map is found again.
 TEST(Procedures, ARegistrationOfAnUnchangedBenchChangesNothing) {
   SimulatedBench bench;
-  ASSERT_TRUE(bench.is_running());
   const auto first = register_on(bench);
   ASSERT_TRUE(first) << first.error().reason;
   ASSERT_TRUE(take_reference_on(bench, 20));
@@ -168,7 +163,6 @@ TEST(Procedures, ARegistrationOfAnUnchangedBenchChangesNothing) {
 
 TEST(Procedures, ABetterRegistrationReplacesAPoorOne) {
   SimulatedBench bench;
-  ASSERT_TRUE(bench.is_running());
   auto poor = register_on(bench);
   ASSERT_TRUE(poor) << poor.error().reason;
   poor->base_px.x += 1.0;
@@ -198,7 +192,6 @@ TEST_P(CameraPose, IsRegisteredCalibratedAndThenMeasuredWith) {
   auto twin = small_twin_config();
   twin.truth.geometry = truth;
   SimulatedBench bench(small_daemon_config(), twin);
-  ASSERT_TRUE(bench.is_running());
   const auto found = register_on(bench);
   ASSERT_TRUE(found) << found.error().reason;
   const double expected = px_per_cycle(bench.config().optics, bench.config().slm.geometry).scale();
@@ -242,7 +235,6 @@ TEST(Procedures, ACalibrationPokesOnlyWhatTheSlmCanShow) {
   auto twin = small_twin_config();
   daemon.sensor.grooves = twin.sensor.grooves = {143.0, 4.0};
   SimulatedBench bench(daemon, twin);
-  ASSERT_TRUE(bench.is_running());
   ASSERT_TRUE(take_reference_on(bench, 10));
   const auto found = calibrate_on(bench, 0.2, {1, 2, 9});
   ASSERT_TRUE(found) << found.error().reason;
@@ -291,7 +283,6 @@ Result<LutFound> lut_on(const SlmLaw& law, int levels, twin::Config twin = small
   twin.slm.depth_waves = law.depth_waves;
   LutFound found;
   SimulatedBench bench(small_daemon_config(), twin);
-  if (!bench.is_running()) return fail(Errc::unavailable, "", "no frames");
   const auto run = bench.run("lut.run", [&](Bench& on) -> Result<nlohmann::json> {
     auto measured = measure_lut(on, {levels, 2});
     if (!measured) return fail(measured.error());
@@ -354,7 +345,6 @@ TEST(Procedures, ALutWithoutASpotWhereItIsExpectedIsRefused) {
 
 TEST(Procedures, AProcedureThatFailsGivesTheSensorBack) {
   SimulatedBench bench;
-  ASSERT_TRUE(bench.is_running());
   const auto before = bench.sensor();
   const auto run = bench.run("calibration.run", [&](Bench& on) -> Result<nlohmann::json> {
     if (auto shown = on.show({{4, 0.1}}); !shown) return fail(shown.error());
@@ -368,7 +358,6 @@ TEST(Procedures, AProcedureThatFailsGivesTheSensorBack) {
 
 TEST(Procedures, ACancelledProcedureEndsAndGivesTheSensorBack) {
   SimulatedBench bench;
-  ASSERT_TRUE(bench.is_running());
   std::thread canceller;
   const auto run = bench.run("calibration.run", [&](Bench& on) -> Result<nlohmann::json> {
     if (auto shown = on.show({{4, 0.1}}); !shown) return fail(shown.error());
@@ -385,7 +374,6 @@ TEST(Procedures, ACancelledProcedureEndsAndGivesTheSensorBack) {
 TEST(Procedures, AProcedureBeginsAfterItsNumberWasTold) {
   using namespace std::chrono_literals;
   SimulatedBench bench;
-  ASSERT_TRUE(bench.is_running());
   std::promise<void> begins;
   const auto begun = begins.get_future().share();
   std::atomic<bool> waits{false};
@@ -405,7 +393,6 @@ TEST(Procedures, AProcedureBeginsAfterItsNumberWasTold) {
 TEST(Presentations, EveryOrderIsAnsweredEvenAfterAnException) {
   using namespace std::chrono_literals;
   SimulatedBench bench;
-  ASSERT_TRUE(bench.is_running());
   const SlmGeometry& slm = bench.config().slm.geometry;
   Presentations presentations(bench.leases(), bench.procedures(), slm);
   SlmPresent order;
