@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "core/port/clock.hpp"
+#include "drivers/twin/glib_hooks.hpp"
 
 namespace ovws::twin {
 namespace {
@@ -43,7 +43,7 @@ Bench::Deadline Bench::effect_of(Deadline since) const {
   const Deadline settled = since + settle_;
   if (!clock_) return settled;
   const std::chrono::nanoseconds from_now = settled - std::chrono::steady_clock::now();
-  const std::int64_t settled_ns = utc_ns() + from_now.count();
+  const std::int64_t settled_ns = twin_ns() + from_now.count();
   const std::int64_t wait_ns = clock_->next_cycle(settled_ns) - settled_ns;
   return settled + std::chrono::nanoseconds(wait_ns - std::int64_t(clock_->period_ns() / 2));
 }
@@ -105,7 +105,7 @@ std::uint64_t Bench::begin(const Roi& window, std::int64_t t_ns, std::int64_t pe
   const std::lock_guard lock(mutex_);
   begun_ = std::chrono::steady_clock::now();
   // In pattern mode the frame's own time counts: its pulse may have come some time ago.
-  show_due_images(clock_ ? begun_ + std::chrono::nanoseconds(t_ns - utc_ns()) : begun_);
+  show_due_images(clock_ ? begun_ + std::chrono::nanoseconds(t_ns - twin_ns()) : begun_);
   const bool as_expected = next_ns_ != 0 && t_ns >= next_ns_ && t_ns <= next_ns_ + kEarlyMomentNs;
   const std::int64_t moment_ns = as_expected ? next_ns_ : t_ns;
   next_ns_ = 0;

@@ -13,6 +13,7 @@
 
 #include "drivers/twin/genicam.hpp"
 #include "drivers/twin/gige_device.hpp"
+#include "drivers/twin/glib_hooks.hpp"
 
 namespace ovws::twin {
 namespace {
@@ -35,9 +36,12 @@ tl::unexpected<Error> no_camera(const std::string& reason) {
 }  // namespace
 
 FakeCamera::FakeCamera(const CameraConfig& config, const CameraDeps& deps)
-    : config_(config), deps_(deps), slow_registers_(deps.faults) {}
+    : config_(config), deps_(deps) {
+  delay_registers(&deps.faults);
+}
 
 FakeCamera::~FakeCamera() {
+  delay_registers(nullptr);
   request_stop();
 }
 

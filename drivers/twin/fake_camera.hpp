@@ -9,7 +9,6 @@
 #include "core/base/result.hpp"
 #include "core/port/camera.hpp"
 #include "drivers/twin/camera_parts.hpp"
-#include "drivers/twin/slow_registers.hpp"
 #include "drivers/twin/twin_config.hpp"
 
 namespace ovws::twin {
@@ -49,7 +48,6 @@ class FakeCamera {
   const CameraDeps deps_;
   std::stop_source stop_;
   FrameTally tally_;
-  const SlowRegisters slow_registers_;
   mutable std::mutex mutex_;  ///< guards device_: held to replace it or use it in other threads
   std::unique_ptr<GigeDevice> device_;
 };

@@ -18,8 +18,8 @@
 
 #include "core/port/clock.hpp"
 #include "drivers/twin/genicam.hpp"
+#include "drivers/twin/glib_hooks.hpp"
 #include "drivers/twin/pixel_packing.hpp"
-#include "drivers/twin/timed_poll.hpp"
 
 namespace ovws::twin {
 namespace {
@@ -153,6 +153,7 @@ CameraSettings GigeDevice::settings() const {
 /// the thread serves no registers.
 void GigeDevice::fill(ArvBuffer* buffer) {
   filling_ = true;
+  if (follow_utc()) next_pulse_ = 0;
   if (read(kRegisterTriggerMode) == 0) {
     run_free(buffer, settings());
   } else {
@@ -171,7 +172,7 @@ void GigeDevice::run_free(ArvBuffer* buffer, const CameraSettings& settings) {
   send_frame(buffer, settings);
   period_ns_ = std::int64_t(period_us) * 1000;
   // Aravis sends a frame at every multiple of the period.
-  end_polls_at((utc_ns() / period_ns_ + 1) * period_ns_);
+  end_polls_at((twin_ns() / period_ns_ + 1) * period_ns_);
 }
 
 /// One frame for each pulse of the DMD. A pulse that comes during an exposure is missed. Without
@@ -183,7 +184,7 @@ void GigeDevice::run_triggered(ArvBuffer* buffer, const CameraSettings& settings
   const auto& clock = deps_.bench.clock();
   if (!clock || !wait_for_pulse(*clock)) {
     lose_packets(FrameFate::drop);  // of what Aravis sends now; it has no frame number
-    return end_polls_at(utc_ns() + kLongestWaitNs);
+    return end_polls_at(twin_ns() + kLongestWaitNs);
   }
   const std::int64_t pulse = next_pulse_, t_ns = clock->time_of(pulse);
   next_pulse_ = clock->last_pulse_in(t_ns, settings.exposure_us) + 1;
@@ -191,14 +192,14 @@ void GigeDevice::run_triggered(ArvBuffer* buffer, const CameraSettings& settings
   write(kRegisterResultingPeriod10Ns, std::uint32_t(std::min(period_ns / 10.0, 4e9)));
   arv_buffer_set_timestamp(buffer, std::uint64_t(t_ns));
   send_frame(buffer, settings);
-  end_polls_at(std::min(clock->time_of(next_pulse_), utc_ns() + kLongestWaitNs));
+  end_polls_at(std::min(clock->time_of(next_pulse_), twin_ns() + kLongestWaitNs));
 }
 
 /// Waits for pulse number next_pulse_. False if it comes later than in kLongestWaitNs. If this
 /// thread is late, pulses of the last kMaxPulseAgeNs are served; older ones are missed.
 bool GigeDevice::wait_for_pulse(const PatternClock& clock) {
   constexpr std::int64_t kMaxPulseAgeNs = 10'000'000;
-  const std::int64_t now_ns = utc_ns();
+  const std::int64_t now_ns = twin_ns();
   if (clock.time_of(next_pulse_) < now_ns - kMaxPulseAgeNs) {
     next_pulse_ = clock.last_pulse(now_ns) + 1;
   }

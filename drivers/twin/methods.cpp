@@ -3,7 +3,7 @@
 #include <chrono>
 #include <limits>
 
-#include "core/port/clock.hpp"
+#include "drivers/twin/glib_hooks.hpp"
 #include "drivers/twin/methods_json.hpp"
 #include "proto/reader.hpp"
 
@@ -64,7 +64,7 @@ void Methods::add_verdict(Pattern pattern, const Truth& truth, std::int64_t t_ns
 }
 
 RpcAnswer Methods::get(const Json& params) {
-  std::int64_t t_ns = utc_ns();
+  std::int64_t t_ns = twin_ns();
   ObjectReader reader(params, "");
   int pattern = 0, sent_after = 0;
   read_moment(reader, t_ns);
@@ -152,7 +152,7 @@ RpcAnswer Methods::mirror(const Json& params) {
   }
   if (auto done = reader.finish(); !done) return failed(done.error());
   deps_.bench.set_mirror(waves);
-  return Json{{"actuators", waves.size()}, {"t_ns", utc_ns()}};
+  return Json{{"actuators", waves.size()}, {"t_ns", twin_ns()}};
 }
 
 RpcAnswer Methods::fault(const Json& params) {

@@ -71,6 +71,17 @@ class Clock(BenchCase):
         self.assertEqual(self.wall_waits(), 0, "nothing waits for a time of the wall clock")
         self.assertNotRegex(self.bench.log("ovwsd"), r"has not run for \d{4}")  # seconds: a busy machine may hold up a thread for some
 
+    def test_the_camera_of_the_twin_goes_on_when_the_clock_steps_back(self):
+        with self.preload("stepped_clock", OVWS_CLOCK_STEP=str(self.bench.directory / "clock")):
+            self.renew_twin()
+        stream = self.stream("wavefront")
+        restarts = self.call("system.status")["counters"]["camera_reconnects"]
+        before = next_message(stream)
+        self.step(-FAR_NS)
+        after = wait_for(lambda: (message := next_message(stream))["t_device_ns"] < before["t_device_ns"] and message, what="a frame after the step")
+        self.assertLess(after["frame_id"] - before["frame_id"], 500)
+        self.assertEqual(self.call("system.status")["counters"]["camera_reconnects"], restarts)
+
     def test_the_client_waits_for_frames_across_a_step(self):
         def steps(call):
             """Steps back after each answer, and further back the next time: frames appear to be older than what was asked before them."""
