@@ -62,6 +62,11 @@ def message_since(stream, at_ns):
     return wait_for(lambda: (message := next_message(stream))["t_device_ns"] > at_ns and message, what="an image exposed after the change")
 
 
+def clock_offset_ns():
+    """Wall clock less monotonic clock: as much as it grows between two times, the difference of their wall times is too large."""
+    return time.time_ns() - time.monotonic_ns()
+
+
 def merged(config, changes):
     """Recursively merges the sections of `changes` into a configuration."""
     return config | {key: merged(config[key], value) if isinstance(value, dict) and isinstance(config.get(key), dict) else value

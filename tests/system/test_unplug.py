@@ -1,22 +1,10 @@
-"""An unplugged camera reconnects automatically, and the frames that it did not send are counted."""
+"""An unplugged camera reconnects automatically; test_camera_killed counts the frames that it did not send."""
 import time
 
-from case import BenchCase, ClientError, main, message_since, next_message, wait_for
+from case import BenchCase, ClientError, main, message_since, wait_for
 
 
 class Unplug(BenchCase):
-    def test_frames_missing_over_a_reconnection_are_counted(self):
-        stream = self.stream("wavefront")
-        # The numbers of the frames begin again when the camera is back.
-        before = wait_for(lambda: (message := next_message(stream))["frame_id"] > 100 and message, what="100 frames")
-        self.twin.call("twin.fault", {"kind": "unplug", "seconds": 2.0})
-        while (after := next_message(stream))["frame_id"] > before["frame_id"]:
-            before = after
-        due = 100.0 * 1e-9 * (after["t_arrival_ns"] - before["t_arrival_ns"])
-        reconnects = wait_for(lambda: self.call("system.status")["counters"]["camera_reconnects"], what="a reconnection")
-        print(f"\n  {after['gap'] + 1} frames sent or counted as missing, {due:.0f} due, {reconnects} reconnections")
-        self.assertLess(abs(after["gap"] + 1 - due), 0.1 * due)
-
     def incomplete(self):
         return self.call("system.status")["counters"]["frames_incomplete"]
 
