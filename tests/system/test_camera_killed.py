@@ -37,13 +37,17 @@ class CameraKilled(BenchCase):
         self.bench.stop("ovws-twin")
         return last
 
+    def seconds_between(self, killed_ns, now_ns):
+        stepped_ns = clock_offset_ns() - self.offset_ns
+        return 1e-9 * (now_ns - killed_ns - stepped_ns)
+
     def wait_for_fault(self, last):
         """Waits for the event of the camera's loss; returns the last frame before it."""
         while (message := self.next())["topic"] != "event" or (message["kind"], message["severity"]) != ("camera", "error"):
             last = message if message["topic"] == "wavefront" else last
         if "control of the camera was lost" not in message["text"]:  # which a refused packet may show first
             self.assertIn("frames", message["text"])
-            self.assertGreaterEqual(1e-9 * (message["t_ns"] - last["t_arrival_ns"]), SILENCE_S)
+            self.assertGreaterEqual(self.seconds_between(last["t_arrival_ns"], message["t_ns"]), SILENCE_S)
         camera = self.call("system.status")["camera"]
         self.assertFalse(camera["connected"])
         self.assertTrue(camera["fault"])
@@ -78,8 +82,7 @@ class CameraKilled(BenchCase):
                 self.assertEqual(frame["frame_id"], last["frame_id"] + 1 + frame["gap"])
                 continue
             restarts += 1  # the numbers of a new stream
-            stepped_ns = clock_offset_ns() - self.offset_ns
-            away = 1e-9 * (frame["t_arrival_ns"] - last["t_arrival_ns"] - stepped_ns) / PERIOD_S
+            away = self.seconds_between(last["t_arrival_ns"], frame["t_arrival_ns"]) / PERIOD_S
             print(f"\n  {frame['gap']} of {away:.0f} frames missing")
             self.assertAlmostEqual(frame["gap"] + 1, away, delta=1.0)
         self.assertEqual(restarts, 1)
