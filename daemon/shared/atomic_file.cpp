@@ -26,11 +26,13 @@ const char* remedy(int error) {
       return ": the file system is read-only, mount it for writing or choose another folder";
     case EACCES:
     case EPERM:
-      return ": give the daemon's user write permission in this folder";
+      return ": give the user of this program write permission in this folder";
     case ENOENT:
-    case ENOTDIR:
       return ": create the folder, or choose another one";
+    case ENOTDIR:
+      return ": choose another folder";
     case EEXIST:
+    case ENAMETOOLONG:
       return ": choose another name";
     default:
       return ": check the disk, or choose another folder";
@@ -100,9 +102,8 @@ using PermissionPolicy = bool (*)(int fd, const std::string& path);
 /// Replaces the file atomically; `apply_permissions` sets owner and permissions of the new file.
 Result<void> replace(const std::string& path, std::string_view content,
                      PermissionPolicy apply_permissions, const FileCalls& calls) {
-  struct stat before {};
-  const bool exists = ::lstat(path.c_str(), &before) == 0;
-  if (exists && !S_ISREG(before.st_mode) && !S_ISLNK(before.st_mode)) {
+  struct stat before {};  // also of what a symbolic link leads to: /dev/stdout is one
+  if (::stat(path.c_str(), &before) == 0 && !S_ISREG(before.st_mode)) {
     return fail(Errc::unavailable, "path", path + " is not a regular file: choose another name");
   }
   std::string temporary = path + std::string(kUnique) + std::string(kTemporary);

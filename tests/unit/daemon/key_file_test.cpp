@@ -104,14 +104,18 @@ TEST_F(KeyFiles, ReplaceALinkAndNotWhatItLeadsTo) {
 }
 
 TEST_F(KeyFiles, ThatCannotBeReplacedStayAndLeaveNothingBeside) {
+  const std::string link = folder_ + "/link";
   ASSERT_EQ(::mkfifo(path_.c_str(), 0600), 0);
-  for (const bool replace : {false, true}) {
-    const auto written = write_key_file(path_, keys_, replace);
+  fs::create_symlink(path_, link);
+  for (const std::string& path : {path_, link}) {
+    EXPECT_FALSE(write_key_file(path, keys_, false));
+    const auto written = write_key_file(path, keys_, true);
     ASSERT_FALSE(written);
-    EXPECT_EQ(written.error().reason, path_ + " is not a regular file: choose another name");
-    EXPECT_TRUE(fs::is_fifo(path_));
+    EXPECT_EQ(written.error().reason, path + " is not a regular file: choose another name");
   }
-  EXPECT_EQ(files(), 1);
+  EXPECT_TRUE(fs::is_fifo(path_));
+  EXPECT_TRUE(fs::is_symlink(link));
+  EXPECT_EQ(files(), 2);
 }
 
 TEST_F(KeyFiles, AreRefusedIfOthersCanReadThem) {

@@ -133,7 +133,7 @@ TEST_F(AtomicFile, AFullDiskAReadOnlyOneAndABrokenOneAreReportedWithTheRemedy) {
       {full, "No space left on device: free some space"},
       {broken, "Input/output error: check the disk"},
       {read_only, "Read-only file system: the file system is read-only"},
-      {forbidden, "Permission denied: give the daemon's user write permission"}};
+      {forbidden, "Permission denied: give the user of this program write permission"}};
   for (const auto& [calls, reason] : cases) {
     const auto stored = replace_file(path_, "new", calls);
     ASSERT_FALSE(stored) << reason;
