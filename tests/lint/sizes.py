@@ -26,7 +26,7 @@ BUDGETS = {
     "web, shared": (4810, CODE, ["daemon/web/", "daemon/shared/"]),
     "tests": (57600, TEST_CODE, ["tests/"]),
 }
-MOST_WORDS = 59900  # of Markdown
+MOST_WORDS = 41800  # of Markdown
 MOST_FILES = 900  # of production code
 
 
