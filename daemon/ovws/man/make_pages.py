@@ -149,7 +149,7 @@ def ovwsd_page(programs, version):
         ("STATE_DIRECTORY", "set by systemd: the folder for state that survives a restart, unless the configuration names one"),
         ("DISPLAY, XAUTHORITY", "the X server of the SLM"), ("NOTIFY_SOCKET, WATCHDOG_USEC", "set by systemd")], [
         ("/etc/ovws/ovwsd.json", "the service's configuration, ovwsd.json(5); ovwsd reads it only if --config names it, as the service's unit does"),
-        ("/var/lib/ovws", "the service's state directory: references, calibrations, the registration, measurements of the SLM, gain sweeps"),
+        ("/var/lib/ovws", "the service's state directory: references, calibrations, the registration, measurements of the SLM"),
         ("/var/lib/ovws/config.json", "the overlay of settings saved by config.save, which take precedence over the configuration"),
         ("/var/lib/ovws/config.json.rejected", "an unusable overlay that was set aside"),
         ("/var/lib/ovws/recordings", "recordings of record.start, readable by members of the group ovws-data"),
