@@ -11,7 +11,7 @@ void notify_ready();
 /// Call notify_ready when the reload is finished, whether it succeeded or not.
 void notify_reloading();
 void notify_stopping();
-/// Extends the stop timeout: shutdown may take `seconds` more from now on.
+/// Extends the timeout of the start, or of the stop: it may take `seconds` more from now on.
 void notify_extend(double seconds);
 void notify_status(const std::string& text);
 void notify_watchdog();

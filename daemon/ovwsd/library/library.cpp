@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "core/port/clock.hpp"
+#include "daemon/shared/service_notify.hpp"
 #include "proto/tables/time.hpp"
 
 namespace ovws {
@@ -16,6 +17,11 @@ namespace {
 using nlohmann::json;
 
 constexpr std::int64_t kRetryNs = 2'000'000'000;
+constexpr double kLoadPatienceS = 60.0;  // to load one file
+
+bool is_item_name(const std::string& name) {
+  return name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_-") == std::string::npos;
+}
 
 }  // namespace
 
@@ -256,7 +262,9 @@ void Library::settle(const Key& key, const Work& work, const Result<std::string>
   if (now == queue_.end() || now->second.number != work.number) return;  // replaced meanwhile
   if (written) sums_[key] = *done;
   if (done && !written) sums_.erase(key);
-  if (done || !work.text) {
+  const bool given_up = !done && work.item && work.item->once;
+  if (given_up) forget_file(key);
+  if (done || !work.text || given_up) {
     queue_.erase(now);
     return;
   }
@@ -330,11 +338,23 @@ Result<StateItem> Library::read(const ItemKind& kind, const std::string& name) c
   return folder_->read(kind.name, name);
 }
 
+Result<void> Library::check_new(const ItemKind& kind, const std::string& name) const {
+  if (!folder_ || !folder_->holds(kind.name, name)) return {};
+  return fail(Errc::refused, "name",
+              fmt::format("{} exists and was not loaded: choose another name, restore the file "
+                          "from a backup, or delete it; then restart the daemon",
+                          folder_->path_of(kind.name, name)));
+}
+
 void Library::load(const ItemKind& kind,
                    const std::function<Result<void>(const StateItem&)>& take) {
   if (!folder_) return;
   for (const std::string& name : folder_->names(kind.name)) {
-    const auto item = folder_->read(kind.name, name);
+    service::notify_extend(kLoadPatienceS);  // a large file takes seconds
+    const auto item =
+        is_item_name(name)
+            ? folder_->read(kind.name, name)
+            : fail(Errc::invalid, "", "its name has other characters than a-z, 0-9, _ and -");
     if (item) {
       const std::lock_guard lock(mutex_);
       sums_[{kind.name, name}] = item->sha256;

@@ -57,6 +57,7 @@ class Library {
     nlohmann::json content;
     std::string title;                    ///< in events about its file; empty: none are emitted
     std::vector<std::string> replaces{};  ///< items of this kind to remove once it is written
+    bool once = false;                    ///< if its write fails, it is not tried again
   };
   /// Called once, in the disk thread after the first attempt, with the checksum of the item's file
   /// or why it is not stored yet. If there is no attempt, called in the caller's thread.
@@ -96,6 +97,8 @@ class Library {
   void load(const ItemKind& kind, const std::function<Result<void>(const StateItem&)>& take);
   /// Reads one item. Errors: there is none of this name, or its file is damaged.
   Result<StateItem> read(const ItemKind& kind, const std::string& name) const;
+  /// Errc::refused, field "name": there is a file of this name, though it may not be usable.
+  Result<void> check_new(const ItemKind& kind, const std::string& name) const;
 
   /// Tries to write one queued item; called in the disk thread. True if another item is due.
   bool turn();

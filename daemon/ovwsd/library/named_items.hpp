@@ -71,19 +71,20 @@ class NamedItems {
     if (!asked) done(fail(asked.error()));
   }
   /// Writes a new item, which counts once it is on the disk. Errc::refused, field "name": the name
-  /// is taken, or there are kMost already. Errc::unavailable: there is no state folder, or the disk
-  /// does not take it.
+  /// is taken, if only by a file that could not be loaded, or there are kMost already.
+  /// Errc::unavailable: there is no state folder, or the disk does not take it.
   void add(const std::string& name, ItemPtr item, Done done) {
     const auto asked = library_.request([this, name, item = std::move(item), done] {
       const auto added = set_new(name, *item);
       if (!added) return done(fail(added.error()));
-      library_.put({&Of::kKind, name, Of::time(*item), Of::encode(*item), ""},
-                   [this, name, added, done](const Result<std::string>& stored) {
-                     if (stored) return done({});
-                     forget(name, *added);
-                     library_.remove(Of::kKind, {name}, [](const Result<void>&) {});  // no retry
-                     done(fail(stored.error()));
-                   });
+      const auto end = [this, name, added, done](const Result<void>& stored) {
+        if (!stored) forget(name, *added);
+        done(stored);
+      };
+      if (auto is_new = library_.check_new(Of::kKind, name); !is_new) return end(is_new);
+      library_.put(
+          {&Of::kKind, name, Of::time(*item), Of::encode(*item), "", {}, true},
+          [end](const Result<std::string>& sum) { end(sum ? Result<void>{} : fail(sum.error())); });
     });
     if (!asked) done(asked);
   }

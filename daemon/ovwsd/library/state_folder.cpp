@@ -37,6 +37,8 @@ tl::unexpected<Error> damaged(const std::string& reason) {
 
 Result<std::string> read_text(const fs::path& path) {
   std::error_code unknown;
+  // A pipe would block for ever.
+  if (!fs::is_regular_file(path, unknown) && !unknown) return damaged("it is not a file");
   const std::uintmax_t size = fs::file_size(path, unknown);
   if (!unknown && size > kMaxFileBytes) {
     return damaged("it is larger than 1 GiB, so it was not written by the daemon");
@@ -142,6 +144,11 @@ Result<StateFolder> StateFolder::open(const std::string& directory) {
 
 std::string StateFolder::path_of(std::string_view kind, std::string_view name) const {
   return directory_ + "/" + std::string(kind) + "." + std::string(name) + ".json";
+}
+
+bool StateFolder::holds(std::string_view kind, std::string_view name) const {
+  std::error_code unknown;
+  return fs::exists(fs::symlink_status(path_of(kind, name), unknown));
 }
 
 std::string StateFolder::text_of(std::string_view kind, const json& content) {

@@ -58,6 +58,8 @@ class StateFolder {
 
   /// Path of an item's file. Kinds and names consist of [a-z0-9_-].
   std::string path_of(std::string_view kind, std::string_view name) const;
+  /// Whether there is a file of that name, whatever is in it.
+  bool holds(std::string_view kind, std::string_view name) const;
   /// The text of an item's file.
   static std::string text_of(std::string_view kind, const nlohmann::json& content);
 

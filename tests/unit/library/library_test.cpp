@@ -8,10 +8,12 @@
 #include <atomic>
 #include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <future>
 #include <thread>
 
 #include "daemon/ovwsd/actor/stream_queue.hpp"
+#include "daemon/ovwsd/library/named_items.hpp"
 #include "tests/support/file_limit.hpp"
 #include "tests/support/own_folder.hpp"
 #include "tests/support/time.hpp"
@@ -276,15 +278,50 @@ TEST_F(Items, AFileThatCannotBeUsedIsReportedAndLeft) {
   Answers a;
   put("a", 1, a);
   put("b", 2, a);
+  fs::copy_file(file("kind.b.json"), file("kind.b copy.json"));
   fs::resize_file(file("kind.b.json"), fs::file_size(file("kind.b.json")) / 2);
   library_.load(kKind, [](const StateItem& one) -> Result<void> {
     EXPECT_EQ(one.name, "a");
     return fail(Errc::invalid, "value", "is wrong");
   });
   EXPECT_FALSE(is_written("a"));
-  EXPECT_EQ(events_with("is not used, and left as it is"), 2);
+  EXPECT_EQ(events_with("is not used, and left as it is"), 3);
   EXPECT_TRUE(fs::exists(file("kind.a.json")));
   EXPECT_TRUE(fs::exists(file("kind.b.json")));
+}
+
+struct NumberItem {
+  using Item = int;
+  static constexpr const ItemKind& kKind = ovws::kKind;
+  static constexpr std::size_t kMost = 2;
+  static constexpr const char *kRemove = "item.delete", *kMissing = "item.list lists them";
+  static std::int64_t time(int /*number*/) { return 1; }
+  static json encode(int number) { return {{"value", number}}; }
+  static Result<int> decode(const json& content) { return content["value"].get<int>(); }
+  static int in_memory(int number) { return number; }
+};
+
+TEST_F(Items, ANewNameTakesNoFileThatIsThereAndIsNotWrittenAfterItsRefusal) {
+  NamedItems<NumberItem> named(library_);
+  Result<void> added;
+  const auto add = [&](const char* name) {
+    named.add(name, std::make_shared<int>(1), [&](const Result<void>& done) { added = done; });
+    return added.has_value();
+  };
+  std::ofstream(file("kind.a.json")) << "of a backup";
+  EXPECT_FALSE(add("a"));
+  EXPECT_EQ(added.error().field, "name");
+  EXPECT_EQ(fs::file_size(file("kind.a.json")), 11U);
+  fs::rename(folder_, folder_ + ".away");
+  std::ofstream(folder_) << "no folder";
+  EXPECT_FALSE(add("b"));
+  fs::remove(folder_);
+  fs::rename(folder_ + ".away", folder_);
+  try_again();
+  EXPECT_FALSE(fs::exists(file("kind.b.json")));
+  EXPECT_EQ(library_.queued(), 0);
+  EXPECT_TRUE(named.all().empty());
+  EXPECT_TRUE(add("b"));
 }
 
 TEST_F(Items, WithoutAFolderNothingIsKeptAndTheReasonIsSaid) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <sched.h>
 #include <sys/mount.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -171,9 +172,10 @@ TEST_F(Store, ABadFileIsReportedAndLeftAndTheOthersAreLoaded) {
   write("reference.garbage.json", "\xff\xfe{}");
   write("reference.half.json", seal(kSchema, {{"frames", 1}}).substr(0, 60));
   fs::create_directories(folder_ + "/reference.folder.json");
+  ASSERT_EQ(::mkfifo((folder_ + "/reference.pipe.json").c_str(), 0600), 0);
   const auto loaded = load(store, "reference");
   ASSERT_EQ(loaded.items.size(), 1U);
-  ASSERT_EQ(loaded.bad.size(), 4U);
+  ASSERT_EQ(loaded.bad.size(), 5U);
   for (const Error& bad : loaded.bad) EXPECT_FALSE(bad.reason.empty());
 }
 
