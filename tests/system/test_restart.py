@@ -184,11 +184,11 @@ class Restart(BenchCase):
         self.assertIn("saved values active: camera.exposure_us (", checked.stderr)
         self.assertEqual(json.loads(checked.stdout)["camera"]["exposure_us"], 1400.0)
         # A damaged overlay does not prevent the start.
-        for bad in (overlay.read_text()[:40], overlay.read_text().replace("1400.0", "-1.0")):
+        for bad, number in ((overlay.read_text()[:40], ""), (overlay.read_text().replace("1400.0", "-1.0"), ".2")):
             self.kill()
             overlay.write_text(bad)
-            self.assertRegex(self.start_again(), f"warning.*{overlay} are not used: .*renamed to {overlay}.rejected")
-            self.assertEqual(overlay.with_name("config.json.rejected").read_text(), bad)
+            self.assertRegex(self.start_again(), f"warning.*{overlay} are not used: .*renamed to {overlay}.rejected{number}")
+            self.assertEqual(overlay.with_name(f"config.json.rejected{number}").read_text(), bad)
             self.assertEqual(self.call("camera.get")["settings"]["exposure_us"], 2000.0)
         # Saving the file's own values leaves no overlay.
         self.call("camera.set", {"exposure_us": 1400.0})

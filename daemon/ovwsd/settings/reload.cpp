@@ -39,9 +39,9 @@ Result<void> outcome_of(const Result<T>& used) {
 }
 
 /// Reads and checks the configuration. Catches exceptions, so that the event says what was wrong.
-Result<LoadedConfig> read_again(const std::string& path) {
+Result<LoadedConfig> read_again(const LoadedConfig& running) {
   try {
-    auto read = load_with_saved(path);
+    auto read = load_with_saved(running.path, std::nullopt, &running);
     if (!read) return read;
     if (const auto usable = check_usable(read->effective); !usable) return fail(usable.error());
     if (const auto safe = check_security(read->effective); !safe) return fail(safe.error());
@@ -80,12 +80,12 @@ void Reloader::read(const ReloadPtr& reload) {
     reload->why_not = std::move(why);
     refuse(*reload);
   };
-  const std::string path = deps_.settings.loaded().path;
-  if (path.empty()) {
+  const LoadedConfig running = deps_.settings.loaded();
+  if (running.path.empty()) {
     return give_up({Errc::refused, "",
                     "there is no file to read: the daemon was started without --config FILE"});
   }
-  auto read = read_again(path);
+  auto read = read_again(running);
   if (!read) return give_up(read.error());
   reload->read = std::move(*read);
   auto lease = deps_.leases.take(Request::reload);

@@ -28,6 +28,7 @@ using nlohmann::json;
 
 constexpr const char* kFileName = "/config.json";
 constexpr const char* kRejectedSuffix = ".rejected";
+constexpr int kMostRejected = 9;  // overlays that are kept
 constexpr int kMaxDepth = 8;
 
 using Group = std::vector<std::string>;
@@ -209,7 +210,8 @@ std::optional<std::string> service_state_folder(const std::string& path) {
 }
 
 Result<LoadedConfig> load_with_saved(const std::string& path,
-                                     const std::optional<std::string>& folder) {
+                                     const std::optional<std::string>& folder,
+                                     const LoadedConfig* running) {
   auto file = load_config_and_masks(path);
   if (!file) return fail(file.error());
   LoadedConfig loaded;
@@ -218,8 +220,9 @@ Result<LoadedConfig> load_with_saved(const std::string& path,
   loaded.effective = std::move(*file);
   auto state = state_directory_of(loaded.file.state);
   if (!state) state = folder;
-  if (!state) return loaded;
-  loaded.overlay = *state + kFileName;
+  if (state) loaded.overlay = *state + kFileName;
+  if (running != nullptr) loaded.overlay = running->overlay;
+  if (!loaded.overlay) return loaded;
   std::error_code unknown;
   if (fs::exists(*loaded.overlay + kRejectedSuffix, unknown))
     loaded.rejected = *loaded.overlay + kRejectedSuffix;
@@ -229,7 +232,11 @@ Result<LoadedConfig> load_with_saved(const std::string& path,
 
 void set_aside_if_invalid(LoadedConfig& loaded) {
   if (!loaded.invalid) return;
-  const std::string aside = *loaded.overlay + kRejectedSuffix;
+  std::error_code unknown;
+  std::string aside = *loaded.overlay + kRejectedSuffix;
+  for (int k = 2; k <= kMostRejected && fs::exists(aside, unknown); ++k) {
+    aside = fmt::format("{}{}.{}", *loaded.overlay, kRejectedSuffix, k);
+  }
   if (std::rename(loaded.overlay->c_str(), aside.c_str()) == 0) {
     loaded.unused_reason += "; it was renamed to " + aside;
   } else {

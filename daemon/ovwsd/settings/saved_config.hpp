@@ -35,11 +35,12 @@ bool is_service_config(const std::string& path);
 std::optional<std::string> service_state_folder(const std::string& path);
 
 /// Reads the configuration file (empty path: the defaults) and its overlay. The overlay is
-/// `config.json` in state_directory_of the file's settings, or else in `folder`. Blocks on the
-/// disk; changes no file. Errors: see load_config. If the overlay is bad, there is no error:
-/// `effective` is then `file`.
+/// `config.json` in state_directory_of the file's settings, or else in `folder`; that of `running`
+/// if it is given, because a daemon keeps its state folder. Blocks on the disk; changes no file.
+/// Errors: see load_config. If the overlay is bad, there is no error: `effective` is then `file`.
 Result<LoadedConfig> load_with_saved(const std::string& path,
-                                     const std::optional<std::string>& folder = std::nullopt);
+                                     const std::optional<std::string>& folder = std::nullopt,
+                                     const LoadedConfig* running = nullptr);
 
 /// Renames an invalid overlay, so that it is not read again, and adds the new name to
 /// `unused_reason`. Blocks on the disk.

@@ -47,6 +47,7 @@ class SavedConfig : public testing::Test {
   }
   void expect_rejected(const std::string& text, const std::string& why) const {
     write(overlay_, text);
+    fs::remove(overlay_ + ".rejected");
     LoadedConfig loaded = load();
     EXPECT_TRUE(loaded.invalid) << text;
     EXPECT_NE(loaded.unused_reason.find(why), std::string::npos) << loaded.unused_reason;
@@ -174,8 +175,21 @@ TEST_F(SavedConfig, ABadOneIsSetAsideAndTheFileUsed) {
   expect_rejected(entry("sensor.~9", "1", "1"), "sensor.~9");
   expect_rejected(entry("security.clients", "\"/tmp/mine\"", "null"), "security.clients");
   expect_rejected(entry("tracking.operator", "\"none\"", "\"slopes\""), "tracking.operator");
+  write(overlay_, "[1]");
+  LoadedConfig second = load();
+  set_aside_if_invalid(second);
+  EXPECT_EQ(content_of(overlay_ + ".rejected.2"), "[1]") << "no earlier one is overwritten";
   fs::create_directory(overlay_);
   EXPECT_NE(load().unused_reason.find("cannot be read"), std::string::npos);
+}
+
+TEST_F(SavedConfig, OfARunningDaemonStaysInItsStateFolder) {
+  save(changed());
+  const LoadedConfig running = load();
+  write(path_, R"({"camera": {"exposure_us": 2000}, "state": {"directory": "elsewhere"}})");
+  const LoadedConfig again = load_with_saved(path_, std::nullopt, &running).value();
+  EXPECT_EQ(again.overlay, running.overlay);
+  EXPECT_EQ(again.effective.camera.settings.exposure_us, 1500.5);
 }
 
 TEST_F(SavedConfig, AFileThatMakesNoSensorDoesNotCondemnIt) {
