@@ -113,7 +113,6 @@ int serve(ovws::LoadedConfig loaded) {
   report_saved(loaded);
   std::signal(SIGTERM, request_stop);
   std::signal(SIGINT, request_stop);
-  std::signal(SIGHUP, request_reload);
   std::signal(SIGPIPE, SIG_IGN);
   return ovws::run_daemon(loaded, stop_requested, reload_requested) ? 0 : 1;
 }
@@ -133,6 +132,7 @@ int main(int argc, char** argv) {
                 "check the configuration, print it with the saved settings, and exit");
   line.set_version_flag("--version", OVWS_VERSION);
   line.footer(kExitCodes);
+  std::signal(SIGHUP, request_reload);  // by default it would end a daemon that still starts
   try {
     line.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

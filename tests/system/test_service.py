@@ -100,6 +100,15 @@ class Service(unittest.TestCase):
         self.daemon.send_signal(signal.SIGHUP)
         wait_for(lambda: client.call("config.get")["slm"]["settle_ms"] == 22.5, what="the reload")
 
+    def test_a_reload_that_is_asked_for_while_it_reads_its_file_does_not_end_it(self):
+        os.mkfifo(pipe := self.bench.directory / "slow.json")
+        starting = subprocess.Popen([self.bench.programs / "ovwsd", "--config", pipe], stderr=subprocess.PIPE, text=True)
+        with pipe.open("w") as config:  # waits until it is read
+            starting.send_signal(signal.SIGHUP)
+            config.write("{]")
+        self.assertIn("not JSON", starting.communicate(timeout=PATIENCE_S)[1])
+        self.assertEqual(starting.returncode, 1)
+
 
 class LockedMemory(BenchCase):
     def locked_mib(self):
