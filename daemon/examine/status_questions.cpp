@@ -192,7 +192,10 @@ Finding judge_saturation(const DaemonFacts& facts) {
 
 Finding judge_light(const DaemonFacts& facts) {
   const auto brightest = number_at(*facts.status, "/camera/brightest");
-  if (!brightest) return not_here("the daemon has seen no image in the last seconds");
+  if (!brightest)
+    return not_here(
+        "the daemon has seen no image in the last seconds (if stream.image_rate_hz is 0, it looks "
+        "at none)");
   const std::string reach = fmt::format("reach {:.1f} % of full scale", 100.0 * *brightest);
   if (!is_dark(*brightest)) return good("the brightest pixels of the image " + reach);
   return warning(

@@ -216,7 +216,10 @@ int save_snapshot(const Common& common, const std::string& prefix) {
   auto pictures = needed(open_stream(common, "image_endpoint", {"image", "phase"}, 10));
   const auto messages = collect(numbers, pictures, common.timeout_s);
   if (!messages) {
-    return report(common, {Errc::unavailable, "", "no image arrived in time: see ovws status"});
+    return report(
+        common,
+        {Errc::unavailable, "",
+         "no image arrived in time: see ovws status; if stream.image_rate_hz is 0, none is sent"});
   }
   const json status = needed(call(common, "system.status", json::object()));
   return write_images(common, *messages, warning_of(messages->at("spots"), status), prefix);
