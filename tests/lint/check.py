@@ -31,7 +31,7 @@ VENDORS = {
     r"hdf5\.h": ("drivers/hdf5/",),
     r"libdeflate": ("drivers/record/", "drivers/replay/"),
     r"nlohmann/": ("proto/", "config/", "daemon/", "drivers/twin/"),
-    r"opencv2/": ("daemon/ovws/cli/",),
+    r"opencv2/|tiffio": ("daemon/ovws/cli/",),
     r"png\.h": ("drivers/png/",),
     r"systemd/": ("daemon/",),
     r"CLI/": ("daemon/", "drivers/twin/"),
@@ -45,7 +45,7 @@ USERS_OF_DRIVER = {"hdf5": ("record", "replay"), "zmq": ("twin",)}  # drivers th
 THREAD_OWNERS = ("daemon/examine/commission/commissioning.", "daemon/ovwsd/threads/thread_plan.", "daemon/examine/machine/display.", "daemon/ovws/study/parallel.", "daemon/web/feeds.", "drivers/twin/")
 # The locale decides what these read or write; core/base/number_text.hpp does without. A library may switch it: see core/port/c_locale.cpp.
 BY_LOCALE = r"\bstd::sto(d|f|ld)\b|\b(strto(d|f|ld)|atof|[sf]?scanf|v?sn?printf|ostringstream|setlocale|uselocale)\b|std::locale|printf\(.*%[-+ #0-9.*lL]*[aefgAEFG]"
-LOCALE_OWNERS = ("core/port/c_locale.cpp", "daemon/ovws/screen/terminal.cpp")
+LOCALE_OWNERS = ("core/port/c_locale.cpp", "daemon/ovws/screen/terminal.cpp", "daemon/ovws/cli/image_codecs.cpp")
 CODE = ("*.hpp", "*.cpp", "*.inc")
 MOST_LINES = 500
 MOST_FUNCTION_LINES = 60

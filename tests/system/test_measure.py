@@ -326,6 +326,19 @@ class Measure(unittest.TestCase):
                     self.assertEqual(set(line["coefficients"]), {None})
                     self.assert_not_refined(path)
 
+    def test_damage_of_a_tiff_is_said_and_nothing_of_it_is_measured(self):
+        good, path = Image.open(self.farfield("good.png", "", 8)), self.folder / "damaged.tif"
+        good.save(path, compression="tiff_lzw")
+        data = bytearray(path.read_bytes())
+        data[len(data) // 2:len(data) // 2 + 40] = b"\xff" * 40
+        path.write_bytes(data)
+        self.assertIn("is damaged: ", str(self.ovws("measure", "--model-reference", path, status=1)))
+        good.save(path, save_all=True, append_images=[good] * 4)
+        os.truncate(path, int(0.55 * path.stat().st_size))
+        said = self.ovws("measure", "--model-reference", path, status=1)
+        self.assertTrue(all(line.get("valid", True) for line in said), said)
+        self.assertIn("is damaged: ", str(said[-1]))
+
     def assert_not_refined(self, path):
         done = subprocess.run([OVWS, "--json", "measure", "--model-reference", "--refine", path], capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S)
         for line in map(json.loads, done.stdout.splitlines()):

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <opencv2/imgproc.hpp>
 #include <span>
+#include <stdexcept>
 #include <vector>
 
 #include "daemon/ovws/cli/image_codecs.hpp"
@@ -170,6 +171,8 @@ Result<cv::Mat> ImageFile::decode(int page) const {
     if (!mat.empty()) return mat;
   } catch (const cv::Exception&) {
     return fail(unreadable(path_, "cannot be read: the size in its header is too large"));
+  } catch (const std::runtime_error& damage) {
+    return fail(unreadable(path_, std::string("is damaged: ") + damage.what()));
   }
   return fail(unreadable(path_, "cannot be read as an image"));
 }
