@@ -19,6 +19,8 @@ bool readable(zmq::socket_t& socket, std::chrono::milliseconds timeout) {
   return zmq_poll(&item, 1, long(timeout.count())) > 0;
 }
 
+constexpr std::chrono::seconds kAfterSignal{10};  // a program that catches signals is about to end
+
 std::vector<zmq::message_t> receive_parts(zmq::socket_t& socket) {
   std::vector<zmq::message_t> parts;
   (void)zmq::recv_multipart(socket, std::back_inserter(parts), zmq::recv_flags::dontwait);
@@ -97,19 +99,24 @@ struct ControlClient::Impl {
 
   /// Waits for a reply, a rejected handshake or the time-out. Returns the event of the last failed
   /// handshake; 0 if a reply came or no handshake failed. If a connection ended without a reason,
-  /// waiting continues, because libzmq connects again.
+  /// waiting continues, because libzmq connects again. After a signal it continues for
+  /// kAfterSignal: what the request has begun must be known in order to end it.
   int wait(std::chrono::milliseconds timeout) {
     using Clock = std::chrono::steady_clock;
-    const auto end = Clock::now() + timeout;
+    auto end = Clock::now() + timeout;
     int event = 0;
     while (event == 0 || event == ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL) {
       const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now()).count();
       std::array<zmq_pollitem_t, 2> items{
           {{socket.handle(), 0, ZMQ_POLLIN, 0}, {monitor.handle(), 0, ZMQ_POLLIN, 0}}};
-      const bool woken = zmq_poll(items.data(), int(items.size()), long(left > 0 ? left : 0)) > 0;
+      const int woken = zmq_poll(items.data(), int(items.size()), long(left > 0 ? left : 0));
+      if (woken < 0 && zmq_errno() == EINTR) {
+        end = std::min(end, Clock::now() + kAfterSignal);
+        continue;
+      }
       if ((items[0].revents & ZMQ_POLLIN) != 0) return 0;
-      if (woken) event = event_of(receive_parts(monitor));
-      if (left <= 0 || !woken) break;
+      if (woken > 0) event = event_of(receive_parts(monitor));
+      if (left <= 0 || woken <= 0) break;
     }
     return event;
   }

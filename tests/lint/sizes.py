@@ -24,7 +24,7 @@ BUDGETS = {
     "examine": (6450, CODE, ["daemon/examine/"]),
     "ovws": (15600, CODE, ["daemon/ovws/"]),
     "web, shared": (4810, CODE, ["daemon/web/", "daemon/shared/"]),
-    "tests": (57670, TEST_CODE, ["tests/"]),
+    "tests": (57730, TEST_CODE, ["tests/"]),
 }
 MOST_WORDS = 41800  # of Markdown
 MOST_FILES = 900  # of production code

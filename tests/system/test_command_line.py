@@ -1,10 +1,14 @@
 """The command line ovws: text, JSON and exit codes."""
+import fcntl
 import itertools
 import json
+import os
 import re
+import select
 import signal
 import subprocess
 import threading
+import time
 
 import numpy
 import zmq
@@ -160,6 +164,21 @@ class CommandLine(BenchCase):
         self.assertEqual(terminal.process.wait(PROGRAM_PATIENCE_S), 0)
         wait_for(lambda: "ended: stopped by record.stop" in " ".join(terminal.text().split()), what="the end")
         self.assertEqual(self.call("record.get")["state"], "ended")
+        starting = subprocess.Popen(self.ovws_command("record", "early", "1h"), stdout=subprocess.DEVNULL)
+        time.sleep(0.3)  # record.start takes longer; where it has come to does not matter
+        starting.send_signal(signal.SIGINT)
+        starting.wait(PROGRAM_PATIENCE_S)
+        self.assertEqual(self.call("record.get")["state"], "ended")
+
+    def test_ctrl_c_ends_a_watch_whose_reader_stands_still(self):
+        reader, writer = os.pipe()
+        fcntl.fcntl(writer, fcntl.F_SETPIPE_SZ, 4096)
+        watching = subprocess.Popen(self.ovws_command("--json", "watch"), stdout=writer, stderr=subprocess.DEVNULL)
+        wait_for(lambda: not select.select([], [writer], [], 0)[1], what="a full pipe")
+        watching.send_signal(signal.SIGINT)
+        self.assertIn(watching.wait(PROGRAM_PATIENCE_S), (0, 1))  # 1: a line is cut off
+        os.close(reader)
+        os.close(writer)
 
     def test_ctrl_c_cancels_the_job(self):
         terminal = Terminal(self.ovws_command("reference", "10000"))

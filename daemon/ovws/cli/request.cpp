@@ -45,7 +45,9 @@ class ProgressLine {
 
 void catch_interrupts(std::initializer_list<int> signals) {
   for (const int signal : signals) {
-    std::signal(signal, [](int) { interrupted.store(true); });
+    struct sigaction taken {};
+    taken.sa_handler = [](int) { interrupted.store(true); };
+    ::sigaction(signal, &taken, nullptr);  // no SA_RESTART: a write to a full pipe must end
   }
 }
 

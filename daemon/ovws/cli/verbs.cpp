@@ -69,7 +69,6 @@ void warn_about(const char* what, const CallFailure& failure) {
 
 /// Shows the recording until it ends or Ctrl-C ends it. Returns the last result of record.get.
 Answer end_of_recording(const Common& common, std::optional<double> duration_s) {
-  catch_interrupts();
   while (!was_interrupted()) {
     auto report = call_patiently(common, "record.get", json::object());
     if (!report || report->at("state") != "recording") return report;
@@ -217,6 +216,7 @@ int record_verb(const Common& common, const std::vector<std::string>& words) {
   if (plain.size() > 2) {
     return report_mistake(common, {Errc::invalid, plain[2], "give the name and the duration only"});
   }
+  catch_interrupts();  // before the start, which takes seconds if the disk is slow
   needed(call(common, "record.start", *params));
   auto record = end_of_recording(common, duration_s);
   study::print_progress("");
