@@ -27,6 +27,13 @@ def reading(what):
         raise RecordingError(f"{what}: damaged or missing ({type(error).__name__}: {error})") from error
 
 
+def _is_being_written(path):
+    """Whether the superblock (HDF5 File Format Specification, version 3) marks the file as open for writing."""
+    with open(path, "rb") as file:
+        head = file.read(12)
+    return len(head) == 12 and bool(head[11] & 1)
+
+
 class Recording:
     """A recording made by `record.start`; it may still be in progress, or cut off by a kill of the daemon. The view is that of the time of
     opening: to see newer data, open another Recording. Damaged parts raise RecordingError when they are opened or read.
@@ -37,8 +44,9 @@ class Recording:
     """
 
     def __init__(self, path):
-        # SWMR mode, because otherwise HDF5 refuses a file that is being written or whose writer was killed.
-        self.file = h5py.File(path, "r", libver="latest", swmr=True)
+        # SWMR mode for a file that is being written, or whose writer was killed: HDF5 refuses it otherwise. In that mode it reads damaged
+        # metadata again and again, for hours.
+        self.file = h5py.File(path, "r", libver="latest", swmr=_is_being_written(path))
         try:
             with reading("attributes"):
                 if self.attributes.get("schema") != SCHEMA:
