@@ -36,7 +36,7 @@ Result<void> check(const TrackingConfig& config, const SpotModel& spots) {
             (step > 1 ? " by a colour camera, of which only every second pixel is lit" : "") +
             ": change the optics or the number of subapertures");
   }
-  if (std::abs(spots.charge) > kMaxCharge) {
+  if (spots.charge < -kMaxCharge || spots.charge > kMaxCharge) {
     return fail(Errc::invalid, "sensor.charge", "must be from -8 to 8 to be tracked");
   }
   if (spots.charge != 0 && follows_bright_spot(config.tracker)) {

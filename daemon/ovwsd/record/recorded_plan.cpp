@@ -54,8 +54,15 @@ std::optional<Disc> region(const json& from) {
               from.at("radius").get<double>()};
 }
 
+/// The charge of a plan or spot; a number beyond those of all trackers becomes 99, which
+/// make_tracker refuses.
+int charge_from(const json& value) {
+  const double charge = value.get<double>();
+  return std::abs(charge) < 99.0 ? int(charge) : 99;
+}
+
 SpotModel spot_model(const json& plan) {
-  return {plan.at("charge").get<int>(), plan.at("lambda_d_px").get<double>(),
+  return {charge_from(plan.at("charge")), plan.at("lambda_d_px").get<double>(),
           lit_from(plan.at("lit"))};
 }
 
@@ -138,7 +145,7 @@ Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::read_source(const json& 
   plan->sensor_epoch = from.at("sensor_epoch").get<std::uint64_t>();
   plan->hologram_id = from.at("hologram_id").get<std::uint64_t>();
   plan->correction = modes_from(from.at("correction"));
-  plan->charge = from.at("charge").get<int>();
+  plan->charge = charge_from(from.at("charge"));
   plan->beam = from.value("beam", std::string());
   plan->region = region(from.value("region", json()));
   plan->can_fit_shapes = from.value("can_fit_shapes", false);
@@ -159,7 +166,8 @@ Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::read_source(const json& 
   auto made = make_tracker(tracking, plan->spots);
   if (!made) return fail(made.error());
   plan->tracker = std::move(*made);
-  const auto charges = from.value("charges", std::vector<int>());
+  std::vector<int> charges;
+  for (const json& one : from.value("charges", json::array())) charges.push_back(charge_from(one));
   if (!charges.empty() && charges.size() != plan->predicted_px.size()) {
     return unfit("has charges of other spots");
   }

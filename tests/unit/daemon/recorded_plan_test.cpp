@@ -8,6 +8,7 @@
 #include <cstring>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <tuple>
 #include <typeinfo>
 
@@ -312,6 +313,8 @@ TEST_F(RecordedPlan, IsRefusedIfItsLightSourcesDoNotBelongTogether) {
     EXPECT_EQ(made.error().code, Errc::invalid) << what;
   };
   using nlohmann::json;
+  expect_refused("charge", [](json& plan) { plan["charge"] = std::numeric_limits<int>::min(); });
+  expect_refused("huge charge", [](json& plan) { plan["charge"] = 1e30; });
   expect_refused("main", [](json& plan) { plan["beam"] = "x"; });
   expect_refused("nameless", [](json& plan) { plan["beams"][0]["beam"] = ""; });
   expect_refused("many", [](json& plan) { plan["beams"] = json(9, plan["beams"][0]); });
