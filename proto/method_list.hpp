@@ -97,7 +97,7 @@ inline constexpr EntryList kStreams{
                          "JSON; then rows x cols float32, waves, NaN outside the pupil."),
     stream<RefinedMessage>("refined",
                            "Maximum-likelihood fit of the diffraction model to every pixel of a "
-                           "frame; published when the fit has ended, some 40 ms after its frame."),
+                           "frame; published when the fit has ended."),
     stream<StreamedStatus>("status",
                            "Status of the daemon, once a second and immediately on change."),
     stream<EventMessage>("event", "Events: state changes, faults, progress of jobs.")};

@@ -8,7 +8,6 @@ import select
 import signal
 import subprocess
 import threading
-import time
 
 import numpy
 import zmq
@@ -165,7 +164,7 @@ class CommandLine(BenchCase):
         wait_for(lambda: "ended: stopped by record.stop" in " ".join(terminal.text().split()), what="the end")
         self.assertEqual(self.call("record.get")["state"], "ended")
         starting = subprocess.Popen(self.ovws_command("record", "early", "1h"), stdout=subprocess.DEVNULL)
-        time.sleep(0.3)  # record.start takes longer; where it has come to does not matter
+        wait_for((self.bench.directory / "state" / "recordings" / "early.h5").exists, what="the file, which is made before the reply")
         starting.send_signal(signal.SIGINT)
         starting.wait(PROGRAM_PATIENCE_S)
         self.assertEqual(self.call("record.get")["state"], "ended")

@@ -196,7 +196,7 @@ class Corrector(FrameMessage):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Refined(Message):
-    """Maximum-likelihood fit of the diffraction model to all pixels of a frame, published some 40 ms after it."""
+    """Maximum-likelihood fit of the diffraction model to all pixels of a frame, published when the fit has ended."""
 
     topic = "refined"
     frame_id: int
