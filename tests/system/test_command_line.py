@@ -163,11 +163,13 @@ class CommandLine(BenchCase):
         self.assertEqual(terminal.process.wait(PROGRAM_PATIENCE_S), 0)
         wait_for(lambda: "ended: stopped by record.stop" in " ".join(terminal.text().split()), what="the end")
         self.assertEqual(self.call("record.get")["state"], "ended")
+        requests = lambda: self.call("system.status")["counters"]["requests"]
+        own = itertools.count(requests() + 1)
         starting = subprocess.Popen(self.ovws_command("record", "early", "1h"), stdout=subprocess.DEVNULL)
-        wait_for((self.bench.directory / "state" / "recordings" / "early.h5").exists, what="the file, which is made before the reply")
+        wait_for(lambda: requests() > next(own), what="the request, whose reply takes a second")
         starting.send_signal(signal.SIGINT)
-        starting.wait(PROGRAM_PATIENCE_S)
-        self.assertEqual(self.call("record.get")["state"], "ended")
+        self.assertEqual(starting.wait(PROGRAM_PATIENCE_S), 0)
+        wait_for(lambda: (now := self.call("record.get"))["state"] == "ended" and "early" in now["file"], what="the end of what had begun")
 
     def test_ctrl_c_ends_a_watch_whose_reader_stands_still(self):
         reader, writer = os.pipe()
