@@ -9,6 +9,7 @@
 
 #include "core/port/clock.hpp"
 #include "daemon/shared/service_notify.hpp"
+#include "proto/tables/files.hpp"
 #include "proto/tables/time.hpp"
 
 namespace ovws {
@@ -18,10 +19,6 @@ using nlohmann::json;
 
 constexpr std::int64_t kRetryNs = 2'000'000'000;
 constexpr double kLoadPatienceS = 60.0;  // to load one file
-
-bool is_item_name(const std::string& name) {
-  return name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_-") == std::string::npos;
-}
 
 }  // namespace
 
@@ -351,10 +348,9 @@ void Library::load(const ItemKind& kind,
   if (!folder_) return;
   for (const std::string& name : folder_->names(kind.name)) {
     service::notify_extend(kLoadPatienceS);  // a large file takes seconds
+    const auto wrong = no_reference_name(name);
     const auto item =
-        is_item_name(name)
-            ? folder_->read(kind.name, name)
-            : fail(Errc::invalid, "", "its name has other characters than a-z, 0-9, _ and -");
+        wrong ? fail(Errc::invalid, "its name", *wrong) : folder_->read(kind.name, name);
     if (item) {
       const std::lock_guard lock(mutex_);
       sums_[{kind.name, name}] = item->sha256;
