@@ -22,6 +22,7 @@ constexpr double kNoiseOnly = 1.25, kStalled = 0.98;  // chi-squared per binned 
 constexpr std::size_t kNoises = 8;
 constexpr double kMaxExcess = 0.1;  // weighted residual, fraction, beyond the reference's
 constexpr double kMaxReferenceExcess = 0.15;
+constexpr double kNoiseExcess = -0.05;  // less: the noise is that of frames of other light
 // Higher modes, above the measured ones: limits of their RMS, and of predicted over found excess
 // intensity. That ratio is 0.12 to 1.7 in turbulent air, and over 2 at false minima.
 constexpr double kUsualHigherWaves = 0.01, kLeastHigherWaves = 0.001, kMaxHigherWaves = 0.03;
@@ -121,6 +122,9 @@ Result<void> PointModel::count_from(const Found& found, const ImageView& image,
     reference_waves_[k] = std::isfinite(measured[k]) ? double(measured[k]) : step;
   }
   reference_sigma_waves_ = found.sigma_waves;
+  if (reference_excess_ < kNoiseExcess) {
+    return fail(Errc::refused, "noise", "the light changed while its noise was measured");
+  }
   if (reference_excess_ <= kMaxReferenceExcess && found.away_waves <= kFarReferenceWaves) return {};
   return fail(
       Errc::refused, "reference",

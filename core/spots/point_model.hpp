@@ -30,7 +30,8 @@ class PointModel {
   /// Fits the image of a reference: its wavefront, from which coefficients count, and the bench's
   /// deviations from the model (SpotDeviations). `start_waves` is near the reference's wavefront;
   /// `fixed`: modes on the SLM that are not measured. Errc::refused, field "reference": the model
-  /// does not explain the image; field "image": the spots do not determine the modes.
+  /// does not explain the image; field "image": the spots do not determine the modes; field
+  /// "noise": it is far more than the image has.
   Result<void> use_reference(const ImageView& image, const PixelNoise& noise,
                              std::span<const double> start_waves, std::span<const Mode> fixed);
   /// Corrects renderings by the spots that a calibration measured (SpotCorrection, where possible),

@@ -233,6 +233,25 @@ TEST_F(Templates, OfASingleImageNeedNoReference) {
   EXPECT_LT(error(measured(**fit, view(image)).waves, truth), 0.01);
 }
 
+/// Of three frames, between which the light changed twice. With such a noise every later search
+/// would be refused, because its spots are not explained as well as the reference's seem to be.
+TEST_F(Templates, NeedANoiseThatTheReferenceCanHave) {
+  const Waves flat(18, 0.0), truth = random(18, 0.1, 1);
+  const auto image = exposed(light(1, flat), kReadNoiseE, 1);
+  const Image<float> dark(kImagePx, kImagePx);
+  const std::vector frames{image, exposed(light(1, truth, 1e4), kReadNoiseE, 2),
+                           exposed(dark, kReadNoiseE, 3)};
+  PointModel points(renderer(1, 18), 8);
+  const PixelNoise noise = noise_of(std::vector{view(frames[0]), view(frames[1]), view(frames[2])},
+                                    points.rendered(flat));
+  const auto used = points.use_reference(view(image), noise, flat, {});
+  ASSERT_FALSE(used);
+  EXPECT_EQ(used.error().field, "noise");
+  ASSERT_TRUE(points.use_reference(view(image), {25.0, 1.0}, flat, {}));
+  const auto changed = exposed(light(1, truth), kReadNoiseE, 4);
+  EXPECT_TRUE(points.templates(std::vector{view(changed)}, std::vector<Waves>{flat}, {}, 12));
+}
+
 TEST_F(Templates, DoNotDescribeAnotherWavefront) {
   const Waves flat(18, 0.0);
   const auto image = exposed(light(1, flat), kReadNoiseE, 1);
