@@ -22,7 +22,6 @@ constexpr double kNoiseOnly = 1.25, kStalled = 0.98;  // chi-squared per binned 
 constexpr std::size_t kNoises = 8;
 constexpr double kMaxExcess = 0.1;  // weighted residual, fraction, beyond the reference's
 constexpr double kMaxReferenceExcess = 0.15;
-constexpr double kNoiseExcess = -0.05;  // less: the noise is that of frames of other light
 // Higher modes, above the measured ones: limits of their RMS, and of predicted over found excess
 // intensity. That ratio is 0.12 to 1.7 in turbulent air, and over 2 at false minima.
 constexpr double kUsualHigherWaves = 0.01, kLeastHigherWaves = 0.001, kMaxHigherWaves = 0.03;
@@ -80,13 +79,23 @@ Result<PointModel::Found> PointModel::at_reference(const ImageView& image, const
       kReferenceRenderings);
 }
 
-Result<void> PointModel::use_reference(const ImageView& image, const PixelNoise& noise,
+/// `claimed` is of other frames and may be that of changing light.
+PixelNoise PointModel::noise_in_reference(const ImageView& image, const PixelNoise& claimed,
+                                          std::span<const RenderedSpot> rendered) {
+  PixelNoise shown = noise_of(image, rendered);
+  shown.saturated_dn = claimed.saturated_dn;
+  reference_levels_ = fit_spots(image, rendered, claimed, estimates_).levels_dn();
+  return quieter(claimed, shown);
+}
+
+Result<void> PointModel::use_reference(const ImageView& image, const PixelNoise& claimed,
                                        std::span<const double> start_waves,
                                        std::span<const Mode> fixed) {
-  renderings_ = 0;
-  end_correction();
+  renderings_ = 1;
+  use_model();
   SpotDeviations deviations, best;
   std::vector<double> waves(start_waves.begin(), start_waves.end()), best_waves, px_per_wave;
+  const PixelNoise noise = noise_in_reference(image, claimed, renderer_.render(waves, fixed));
   for (int i = 0; i < renderer_.spots(); ++i) px_per_wave.push_back(renderer_.px_per_wave(i));
   double least_chi2 = std::numeric_limits<double>::infinity();
   for (int round = 0; round <= kReferenceRounds; ++round) {
@@ -122,9 +131,6 @@ Result<void> PointModel::count_from(const Found& found, const ImageView& image,
     reference_waves_[k] = std::isfinite(measured[k]) ? double(measured[k]) : step;
   }
   reference_sigma_waves_ = found.sigma_waves;
-  if (reference_excess_ < kNoiseExcess) {
-    return fail(Errc::refused, "noise", "the light changed while its noise was measured");
-  }
   if (reference_excess_ <= kMaxReferenceExcess && found.away_waves <= kFarReferenceWaves) return {};
   return fail(
       Errc::refused, "reference",
@@ -323,7 +329,7 @@ double PointModel::amplitude(int spot) const {
 }
 
 double PointModel::allowed_excess() const {
-  return kMaxExcess + kMaxOverReference * reference_excess_;
+  return kMaxExcess + kMaxOverReference * std::max(0.0, reference_excess_);
 }
 
 std::shared_ptr<FrameFit> PointModel::fit_at(const Found& found,

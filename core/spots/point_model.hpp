@@ -30,9 +30,9 @@ class PointModel {
   /// Fits the image of a reference: its wavefront, from which coefficients count, and the bench's
   /// deviations from the model (SpotDeviations). `start_waves` is near the reference's wavefront;
   /// `fixed`: modes on the SLM that are not measured. Errc::refused, field "reference": the model
-  /// does not explain the image; field "image": the spots do not determine the modes; field
-  /// "noise": it is far more than the image has.
-  Result<void> use_reference(const ImageView& image, const PixelNoise& noise,
+  /// does not explain the image; field "image": the spots do not determine the modes. Of `claimed`
+  /// noise no more counts than the image shows.
+  Result<void> use_reference(const ImageView& image, const PixelNoise& claimed,
                              std::span<const double> start_waves, std::span<const Mode> fixed);
   /// Corrects renderings by the spots that a calibration measured (SpotCorrection, where possible),
   /// with two renderings of the light for each mode. `coefficients`: the calibration's wavefront,
@@ -91,6 +91,8 @@ class PointModel {
   std::optional<Found> with_higher_modes(const ImageView& image, Found found,
                                          std::span<const Mode> fixed);
   bool are_explained_by(double higher_waves, const Found& found) const;
+  PixelNoise noise_in_reference(const ImageView& image, const PixelNoise& claimed,
+                                std::span<const RenderedSpot> rendered);
   Result<Found> at_reference(const ImageView& image, const PixelNoise& noise,
                              std::vector<double> waves, std::span<const Mode> fixed,
                              const SpotDeviations& deviations);

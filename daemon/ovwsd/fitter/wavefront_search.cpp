@@ -55,7 +55,7 @@ std::vector<double> coefficients_of(const OperatingPoint& point) {
 }  // namespace
 
 /// Model of one sensor and its reference. A failure to make the model is kept for kTryAgainNs,
-/// because the unchanged reference would fail again; not if the frames' noise was wrong.
+/// because the unchanged reference would fail again.
 struct WavefrontSearch::Model {
   ModelKey key;
   TemplatesKey made_for{};
@@ -73,7 +73,7 @@ struct WavefrontSearch::Model {
   bool has_failed() const { return !spots && monotonic_ns() < failed_until_ns; }
   void set_failed(Error why) {
     spots = fail(std::move(why));
-    if (spots.error().field != "noise") failed_until_ns = monotonic_ns() + kTryAgainNs;
+    failed_until_ns = monotonic_ns() + kTryAgainNs;
   }
 };
 
