@@ -247,7 +247,7 @@ TEST_F(Templates, DoNotBelieveMoreNoiseThanTheReferenceShows) {
                               points.rendered(flat));
   for (const PixelNoise& claimed : {noise, PixelNoise{25.0, 1.0}, PixelNoise{1e6, 0.0}}) {
     ASSERT_TRUE(points.use_reference(view(image), claimed, flat, {}));
-    const auto fit = points.templates(std::vector{view(changed)}, std::vector{flat}, {}, 12);
+    const auto fit = points.templates(std::vector{view(changed)}, std::vector<Waves>{flat}, {}, 12);
     ASSERT_TRUE(fit) << fit.error().reason;
     EXPECT_LT(error(measured(**fit, view(changed)).waves, truth), 0.02);
   }
